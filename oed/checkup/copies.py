@@ -11,18 +11,16 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from scipy.spatial import cKDTree
 
 from oed.checkup.finding import EvidenceRow, Finding
 from oed.experiment.dataset import DataSet
+from oed.experiment.paths import STEP, steps_apart
 from oed.experiment.recording import Recording
 
 # Of a column's range: a copy that was written with fewer digits is still one, and noise in two
 # columns a joint leaves no two rows of different moments as near in all of them.
 SAME = 1e-4
 COPIED = 0.1  # of the moving rows; chance gives none
-STEP = 0.05  # [s] from one place of a path to the next
-LOOKS = (0, 2, 4)  # steps at which positions are compared: where an arm is, and how it moves on
 RETRACED = 0.5  # of the places of a held-out motion: most of it is no new one
 
 
@@ -86,33 +84,15 @@ def _retracing(dataset: DataSet) -> Finding:
 
 
 def retraced_share(held: Recording, fitted: Sequence[Recording]) -> float:
-    """Share of a motion along which an arm moves where, and as, it did in others.
-
-    A place of a path is the positions of all joints at several moments after one another, each over
-    its range. It is one of another path's if it is no further from one of its places than from the
-    next of its own.
-    """
-    own = _places(held)
-    there = [x for x in map(_places, fitted) if len(x)]
-    if len(own) < 2 or not there:
-        return 0.0
-    every = np.concatenate([*there, own])
-    ranges = np.ptp(every, axis=0)
-    scale = np.where(ranges > 0, ranges, 1.0)
-    distance, _ = cKDTree(np.concatenate(there) / scale).query(own[:-1] / scale)
-    step = np.linalg.norm(np.diff(own / scale, axis=0), axis=1)
-    moves = step > SAME
-    return float(np.mean(distance[moves] <= step[moves])) if moves.any() else 0.0
+    """Share of a motion along which an arm moves where, and as, it did in others."""
+    apart = steps_apart(_positions(held), [_positions(r) for r in fitted], 1 / STEP)
+    moves = ~np.isnan(apart)
+    return float(np.mean(apart[moves] <= 1)) if moves.any() else 0.0
 
 
-def _places(recording: Recording) -> Float[ndarray, "places positions"]:
-    """Positions of all joints at every step, and at some after it."""
+def _positions(recording: Recording) -> Float[ndarray, "places joints"]:
     t = np.arange(recording.t[0], recording.t[-1], STEP)
-    q = np.column_stack([np.interp(t, recording.t, x) for x in recording.q.T])
-    last = len(q) - max(LOOKS)
-    if last < 1:
-        return np.zeros((0, q.shape[1] * len(LOOKS)))
-    return np.hstack([q[k : last + k] for k in LOOKS])
+    return np.column_stack([np.interp(t, recording.t, x) for x in recording.q.T])
 
 
 def copied_share(held: Recording, fitted: Recording, ranges: Float[ndarray, " columns"]) -> float:

@@ -16,6 +16,7 @@ from oed.diagnosis.evidence.views import Views
 from oed.diagnosis.inference.answer import Answer, FoundEffect, Outcome, Unexplained, answer
 from oed.diagnosis.inference.budget import Budget, budget
 from oed.diagnosis.inference.curves import Curve, curve
+from oed.diagnosis.inference.disturbances import Disturbance, disturbances
 from oed.diagnosis.inference.errors import Predictor, RoleErrors, compare
 from oed.diagnosis.numbers import CLEAR
 from oed.diagnosis.selection.search import Selected, search
@@ -39,6 +40,7 @@ class Diagnosis:
         verdict: In the interface's words.
         effects: What was found and named, in the order of what it explains.
         unexplained: What is there and has no name.
+        disturbances: Most of what the augmented model leaves at a joint, and no function of the motion.
         contradicted: What of that the test recordings speak against, in words; it stays named.
         before: The base model, fitted.
         after: The augmented model, fitted: an ordinary torque model.
@@ -56,6 +58,7 @@ class Diagnosis:
     verdict: Outcome
     effects: tuple[FoundEffect, ...]
     unexplained: tuple[Unexplained, ...]
+    disturbances: tuple[Disturbance, ...]
     contradicted: tuple[str, ...]
     before: Predictor
     after: Predictor
@@ -184,12 +187,19 @@ def report(
         )
         for term, (label, rest) in zip(whole.terms, labels, strict=True)
     ]
-    left = _unlocated(found, errors, sealed.floor)
-    unexplained = (*found.unexplained, *left)
+    # Where something hit the arm may be in any recording; those for the test have no say here either.
+    looked_at = (*by_role["estimation"], *by_role["validation"])
+    disturbed = disturbances(looked_at, sealed.weights(looked_at), after)
+    unexplained = (
+        *found.unexplained,
+        *(Unexplained(d.joint, ("time",), d.words, None) for d in disturbed),
+    )
+    unexplained += _unlocated(unexplained, errors, sealed.floor)
     return Diagnosis(
         _verdict(found.effects, unexplained),
         found.effects,
         unexplained,
+        disturbed,
         _contradicted(views, found, by_role["test"], sealed, after),
         before,
         after,
@@ -228,18 +238,18 @@ def _refitted_without(views: Views, number: int) -> Fitted:
 
 
 def _unlocated(
-    found: Answer, errors: Sequence[RoleErrors], floor: Float[ndarray, " joints"]
-) -> list[Unexplained]:
-    """Joints whose held-out error says that something is missing, where nothing is said of it yet."""
-    said = {u.joint for u in found.unexplained}
-    held = next((e for e in errors if e.role == "validation"), None)
-    if held is None:
-        return []
-    return [
+    unexplained: Sequence[Unexplained],
+    errors: Sequence[RoleErrors],
+    floor: Float[ndarray, " joints"],
+) -> tuple[Unexplained, ...]:
+    """Joints where the search saw errors that no noise explains, and nothing is said of it yet."""
+    said = {u.joint for u in unexplained}
+    seen = np.max([e.after for e in errors if e.role != "test"], axis=0)
+    return tuple(
         Unexplained(int(j), (), "something that no term that was tried describes", None)
-        for j in np.flatnonzero(held.after > CLEAR * floor)
+        for j in np.flatnonzero(seen > CLEAR * floor)
         if int(j) not in said
-    ]
+    )
 
 
 def _verdict(effects: Sequence[FoundEffect], unexplained: Sequence[Unexplained]) -> Outcome:

@@ -13,17 +13,21 @@ SMOOTHNESS = (1e-6, 1e-4, 1e-2, 1e0, 1e2)  # rows' worth of a prior on differenc
 PREDICTION_GAIN = (
     1.0  # nats by which a held-out score must rise: one parameter's cost (Akaike 1974)
 )
-TESTED = 0.5  # of a smooth term's degrees of freedom that held-out rows must see; assumed
+TESTED = 0.5  # of a term's degrees of freedom that held-out rows must see; assumed
 POLISHED = 8  # candidates whose shapes are fitted before they are compared
 COMPARED = 4  # of these that are fitted beside all else
 EFFECTS_PER_JOINT, LEAST_EFFECTS = 3, 6  # terms; assumed
 HELD_OUT_SHARE = 0.25  # of a recording's end, where no validation recording was made
-ROUNDS = 3  # of refitting effects of the model's own torque (converges as the effect's share)
+ROUNDS = 3  # of refitting variances, and effects of the model's own torque (converges as the effect's share)
 
 # Inference.
 NAMED = 0.95  # least posterior probability of a name: one in twenty may be wrong
 CLEAR = 2.0  # noise floors of held-out error from which a joint counts as unexplained
 ALIKE = 1 - FORMULA_ERROR**2 / 2  # cosine of torques that differ by less than formulas err
+MOSTLY = (
+    0.5  # of the variance left at a joint, from which on one line or one moment is what is left
+)
+SHORTLY = 0.05  # of all recordings' time, that a moment takes at most; assumed
 REPLICATES = 400  # of the block bootstrap: an interval's end is known within a tenth of its width
 LOOKS = 2  # ahead and back; what was dropped may have kept something out, once; assumed
 EXCHANGES = 6  # rounds in which terms give way to what is better in their place; assumed

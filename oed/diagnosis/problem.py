@@ -30,6 +30,8 @@ class Problem:
             motions they are zero, as in `oed identify`; elsewhere nothing is known of them.
         context: What is known of arm and data before any addition.
         floor: (n,) deviation of the noise [N m].
+        is_floor_measured: Whether repetitions tell the noise. What a smooth fit leaves is no less than
+            noise and may be far more: a model may leave less without having explained noise.
         names: What may be named.
         smooth: What claims no physics.
         most: Terms that may be added.
@@ -46,6 +48,7 @@ class Problem:
     base_precision: Float[ndarray, "base base"]
     context: Context
     floor: Float[ndarray, " joints"]
+    is_floor_measured: bool
     names: Sequence[NamedCandidate]
     smooth: Sequence[SmoothCandidate]
     most: int

@@ -148,6 +148,7 @@ def pose(
         _precision_of_untold(baseline.model, baseline.columns, rows),
         context,
         baseline.floor.deviation,
+        baseline.floor.source == "repetitions",
         named_candidates(catalogue, tuple(names or catalogue), context),
         tuple(SmoothCandidate(t) for t in smooth),
         max(EFFECTS_PER_JOINT * n, LEAST_EFFECTS) if most is None else most,

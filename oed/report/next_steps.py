@@ -63,7 +63,8 @@ def next_steps(found: Diagnosis, following: NextExperiment | None, run: Run) -> 
         *_nearest_names(unnamed),
         *_motions(unnamed, run),
         *_alone(found, unnamed, run),
-        *_over_time(unnamed),
+        *_over_time(found, unnamed),
+        *_disturbed(found),
         *_repetitions(found),
         *_own_effect(unnamed),
         Step(
@@ -161,8 +162,22 @@ def _other_joints(coordinates: Sequence[str], joint: int) -> bool:
     return bool(numbers - {str(joint + 1)})
 
 
-def _over_time(unnamed: Sequence[Unnamed]) -> tuple[Step, ...]:
-    joints = dict.fromkeys(place_words(u.joint) for u in unnamed if "time" in u.depends_on)
+def _disturbed(found: Diagnosis) -> tuple[Step, ...]:
+    """What tells where a disturbance comes from, once for those that are told alike."""
+    joints: dict[str, dict[str, None]] = {}
+    for d in found.disturbances:
+        joints.setdefault(d.exposed_by, {})[place_words(d.joint)] = None
+    return tuple(
+        Step(f"Of what is left at {_listed(places)}, {exposed_by}.")
+        for exposed_by, places in joints.items()
+    )
+
+
+def _over_time(found: Diagnosis, unnamed: Sequence[Unnamed]) -> tuple[Step, ...]:
+    disturbed = {d.joint for d in found.disturbances}
+    joints = dict.fromkeys(
+        place_words(u.joint) for u in unnamed if "time" in u.depends_on and u.joint not in disturbed
+    )
     if not joints:
         return ()
     return (

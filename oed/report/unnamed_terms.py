@@ -9,6 +9,7 @@ from oed.diagnosis.candidates.candidate import NamedCandidate, SmoothCandidate
 from oed.diagnosis.diagnose import Diagnosis
 from oed.diagnosis.evidence.term import Term
 from oed.diagnosis.inference.answer import Unexplained
+from oed.diagnosis.numbers import MOSTLY
 from oed.diagnosis.selection.substitutes import Substitute
 from oed.dynamics.effects.catalogue import CatalogueEntry
 from oed.dynamics.effects.coordinates import Coordinate
@@ -141,8 +142,13 @@ def _nearest(
     joint: int,
     others: Container[str],
 ) -> NearestName | None:
-    """Of what was weighed in a term's place, which is best first, the first name that is not elsewhere."""
+    """Of what was weighed in a term's place, which is best first, the first name that is not elsewhere.
+
+    None comes near that is worth less than half of what is best there.
+    """
     for s in substitutes:
+        if s.nats < MOSTLY * substitutes[0].nats:
+            break
         if isinstance(s.term.candidate, NamedCandidate) and s.term.label not in others:
             behind = substitutes[0].nats - s.nats
             return NearestName(s.term.candidate.entry, words[s.term.label].at(joint), behind)

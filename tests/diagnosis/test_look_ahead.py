@@ -60,12 +60,46 @@ def test_a_curve_is_judged_where_held_out_rows_visit_it_and_not_from_a_corner(pr
     assert not is_tested(_over_position(problem, corner))
 
 
-def test_a_formula_needs_no_visit(problem):
-    views = Views.of(problem, (), "fitted")
+def _with_stribeck(problem, held_out):
+    rows = dataclasses.replace(problem.rows, held_out=held_out)
+    there = dataclasses.replace(problem, rows=rows)
+    views = Views.of(there, (), "fitted")
     law = next(c for c in problem.names if c.label == "stribeck@1")
     tried = (evaluate(law, shapes, views.means) for shapes in law.grid(problem.context))
-    grown = views.grown((as_term(next(s for s in tried if s is not None)),), "fitted")
-    assert is_tested(grown)
+    return views.grown((as_term(next(s for s in tried if s is not None)),), "fitted")
+
+
+def test_a_formula_is_tested_by_any_rows_that_have_some_of_it_and_by_no_others(problem):
+    validation = problem.rows.held_out
+    grown = _with_stribeck(problem, validation)
+    own = grown.means.projection.columns[0, :, grown.means.places[-1]][:, 0]
+    few = np.flatnonzero(validation)[np.argsort(-np.abs(own[validation]))[:20]]
+    there = np.zeros_like(validation)
+    there[few] = True
+    assert is_tested(_with_stribeck(problem, there))
+    nothing = validation & (np.abs(own) < 1e-3 * np.abs(own).max())
+    assert nothing.sum() > 20
+    assert not is_tested(_with_stribeck(problem, nothing))
+
+
+def test_a_curve_is_not_judged_by_rows_along_the_path_that_was_fitted():
+    """Validation that plays an estimation motion again sees every knot, and tests none."""
+    dataset = data_set(24, repetitions=1, extra=_bent, roles=("estimation", "estimation", "test"))
+    first, second, test = dataset.recordings
+    for motion, tested in ((first, False), (test, True)):
+        again = dataclasses.replace(motion, name="again", role="validation")
+        replayed = dataclasses.replace(dataset, recordings=(first, second, again))
+        model = TorqueModel.standard(dataset.robot)
+        posed, _, _ = pose(replayed, model, names=("stribeck",))
+        assert is_tested(_over_position(posed, posed.rows.held_out)) is tested
+
+
+def test_each_joints_rows_weigh_by_what_is_left_of_them(problem):
+    """One joint with errors of 36 deviations bends what another is fitted with only until it weighs less."""
+    fitted = Views.of(problem, (), "fitted").means
+    left = fitted.squares(fitted.projection.used) / fitted.rows(fitted.projection.used)
+    assert left[0] > 1000 * left[1]
+    assert fitted.variance == pytest.approx(np.maximum(left, fitted.tolerated), rel=0.02)
 
 
 def test_columns_that_are_nothing_tell_nothing(problem):

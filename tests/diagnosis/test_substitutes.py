@@ -101,3 +101,25 @@ def test_a_small_arm_has_curves_over_any_two_of_its_coordinates():
             and all(isinstance(c, Coordinate) for c in own.term.coordinates)
         }
         assert {frozenset(pair) for pair in combinations(states, 2)} <= found
+
+
+def test_an_effect_is_weighed_against_its_equal_at_another_joint():
+    """Torque of joint 2 read 7 % too large is torque of joint 1 read too small, beside other masses."""
+    dataset = data_set(62, repetitions=1)
+    grown = tuple(
+        dataclasses.replace(r, tau=r.tau * np.array([1.0, 1.07])) for r in dataset.recordings
+    )
+    dataset = dataclasses.replace(dataset, recordings=grown)
+    problem = pose(dataset, TorqueModel.standard(dataset.robot), names=("torque_gain",))[0]
+    start = Views.of(problem, (), "all")
+    candidate = next(c for c in problem.candidates if c.label == "torque_gain@2")
+    scored = evaluate(candidate, next(iter(candidate.grid(problem.context))), start.means)
+    assert scored is not None
+    whole = start.grown((as_term(scored),), "all")
+    tables = Tables.of(Views.of(problem, (), "fitted"), problem.candidates)
+    mine, other = (
+        next(s for s in substitutes_of(tables, whole, judge(whole, 0)) if s.term.label == label)
+        for label in ("torque_gain@2", "torque_gain@1")
+    )
+    assert other.is_same
+    assert other.nats == pytest.approx(mine.nats, abs=1.0)

@@ -30,6 +30,11 @@ class Candidate(ABC):
 
     @property
     @abstractmethod
+    def kind(self) -> str:
+        """What it is, wherever it acts."""
+
+    @property
+    @abstractmethod
     def joint(self) -> int | None:
         """Where it acts; None for the whole arm."""
 
@@ -109,6 +114,11 @@ class NamedCandidate(Candidate):
         return f"{self.entry.name}@{self.target + 1}"
 
     @property
+    def kind(self) -> str:
+        """Name of the effect."""
+        return self.entry.name
+
+    @property
     def joint(self) -> int | None:
         """Of the target."""
         return self.target[0] if isinstance(self.target, tuple) else self.target
@@ -182,6 +192,11 @@ class SmoothCandidate(Candidate):
         """Such as "f(q_1)@2"."""
         pieces = "x".join(str(c.functions) for c in self.term.coordinates)
         return f"{self.term.label}[{pieces}]@{self.term.joint + 1}"
+
+    @property
+    def kind(self) -> str:
+        """Of all smooth terms alike."""
+        return "smooth term"
 
     @property
     def joint(self) -> int | None:

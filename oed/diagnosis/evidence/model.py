@@ -23,9 +23,8 @@ from oed.dynamics.torque_model import TorqueModel
 SETTLED = 1e-3  # of a size, below which a step of it is none
 # Of a joint's variance: weights that are off by so little cost a ten-thousandth of the information.
 SAME_VARIANCE = 0.02
-NO_CHANGE = (
-    0.1  # sum of squares of a change of all rows, in units of what is left: a twentieth of a nat
-)
+# Sum of squares of a change of all rows, in units of what is left: a twentieth of a nat.
+NO_CHANGE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,42 +255,44 @@ def _fitted(
     columns: Float[ndarray, "joints rows columns"] | None = None,
     apart: Float[ndarray, "joints rows"] | float = 0.0,
 ) -> Fitted:
-    problem, terms = design.problem, design.terms
+    rows = design.problem.rows
     columns = design.columns if columns is None else columns
-    torque = problem.rows.torque - apart
-    more = columns.shape[2] - design.columns.shape[2]
-    precision = np.pad(design.precision, (0, more))
-    v = np.ones(problem.rows.joints) if before is None else before.variance
-    v = v if variance is None else variance
+    torque = rows.torque - apart
+    precision = np.pad(design.precision, (0, columns.shape[2] - design.columns.shape[2]))
+    start = np.ones(rows.joints) if before is None else before.variance
+    v = start if variance is None else variance
     known = None if before is None else before.projection
     projection = project(torque, columns, used, v, precision, before=known)
     tolerated = _tolerated(design, projection)
-    counted = np.maximum(problem.rows.counts[:, used].sum(axis=1), 1.0)
-    found = np.maximum(tolerated, np.sum(projection.residual[:, used] ** 2, axis=1) / counted)
-    if variance is None and np.any(np.abs(found - v) > SAME_VARIANCE * v):
+    counted = np.maximum(rows.counts[:, used].sum(axis=1), 1.0)
+    # A joint with large errors bends what another is fitted with, until its weight is small.
+    for _ in range(ROUNDS if variance is None else 0):
+        found = np.maximum(tolerated, np.sum(projection.residual[:, used] ** 2, axis=1) / counted)
+        if np.all(np.abs(found - v) <= SAME_VARIANCE * v):
+            break
         v = found
         projection = project(torque, columns, used, v, precision, before=projection)
         tolerated = _tolerated(design, projection)
-    visible = design.visible
-    base = full_parameters(design.seen.model, visible, projection.coefficients[: len(visible)])
     beside = tuple(
         (effect, projection.coefficients[place])
-        for term, effect, place in zip(terms, design.effects, design.places, strict=True)
+        for term, effect, place in zip(design.terms, design.effects, design.places, strict=True)
         if effect is not None and not term.steps
     )
-    known = dataclasses.replace(design.seen, parameters=base, beside=beside)
-    return Fitted(design, projection, v, tolerated, known)
+    told = projection.coefficients[: len(design.visible)]
+    base = full_parameters(design.seen.model, design.visible, told)
+    seen = dataclasses.replace(design.seen, parameters=base, beside=beside)
+    return Fitted(design, projection, v, tolerated, seen)
 
 
 def _tolerated(design: Design, projection: Projection) -> Float[ndarray, " joints"]:
     """(n,) variance that a joint's rows may have without blame: formulas are true to a few per cent.
 
-    Of what a term gives that nothing else could, since what else there is may be at fault as well:
-    terms that explain the same are held to the same.
+    Of a term only what nothing else could give: terms that explain the same are held to the same.
     """
     counted, base = design.problem.rows.counted, slice(len(design.visible))
     given = projection.columns[:, :, base] @ projection.coefficients[base]
-    result = 1 + BASE_ERROR**2 * np.sum(given**2, axis=1) / counted
+    noise = float(design.problem.is_floor_measured)
+    result = noise + BASE_ERROR**2 * np.sum(given**2, axis=1) / counted
     for place in design.places:
         own = projection.beyond_others(place)
         result = result + FORMULA_ERROR**2 * np.sum(own**2, axis=1) / counted

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from oed.diagnosis.candidates.candidate import Candidate, NamedCandidate
+from oed.diagnosis.candidates.candidate import NamedCandidate
 from oed.diagnosis.evidence.model import Fitted
 from oed.diagnosis.evidence.views import Views
 from oed.diagnosis.inference.estimates import Estimated, estimates
@@ -151,7 +151,7 @@ def _named(
             probability += p
         if other.label != candidate.label:
             alternatives.append(
-                Alternative(other.label, _name(other), other.joint, p, same, p > (1 - NAMED) / 2)
+                Alternative(other.label, other.kind, other.joint, p, same, p > (1 - NAMED) / 2)
             )
     foremost = max((a.probability for a in alternatives if not a.same), default=0.0)
     if named < NAMED or probability < foremost:
@@ -232,7 +232,3 @@ def _unnamed(whole: Fitted, number: int, substitutes: Sequence[Substitute]) -> U
             else 0
         )
     return Unexplained(joint, effect.depends_on, shown.label, number)
-
-
-def _name(candidate: Candidate) -> str:
-    return candidate.entry.name if isinstance(candidate, NamedCandidate) else "smooth term"

@@ -12,6 +12,7 @@ from numpy import ndarray
 
 from oed.diagnosis.numbers import BLOCK_SECONDS, HELD_OUT_SHARE, MOST_BLOCK_SHARE
 from oed.estimation.noise_floor.weighted_rows import Rows
+from oed.experiment.paths import steps_apart
 from oed.experiment.preparation.prepared import Prepared
 
 
@@ -67,6 +68,17 @@ class WhiteRows:
     def counted(self) -> Float[ndarray, " joints"]:
         """(n,) rows that count."""
         return np.maximum(self.counts.sum(axis=1), 1.0)
+
+    @cached_property
+    def off_path(self) -> Bool[ndarray, " rows"]:
+        """(R,) held-out rows of a motion along no fitted path; of an arm that stands, none."""
+        band = self.prepared[0].band
+        positions = [p.motion.q[band.reach :: band.factor][: p.rows] for p in self.prepared]
+        ends = np.cumsum([p.rows for p in self.prepared])[:-1]
+        seen = [q[own] for q, own in zip(positions, np.split(self.fitted, ends), strict=True)]
+        fitted = [q for q in seen if len(q)]
+        apart = [steps_apart(q, fitted, band.analysis_rate) for q in positions]
+        return self.held_out & (np.concatenate(apart) > 1)
 
     def blocks(self, correlated: float) -> Int[ndarray, " rows"]:
         """Number of the block of each row: stretches of phase that misfit makes dependent.

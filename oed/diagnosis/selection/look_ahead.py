@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from numpy import ndarray
 
 from oed.diagnosis.candidates.candidate import Candidate
+from oed.diagnosis.evidence.moments import columns_of
 from oed.diagnosis.evidence.views import Views, chosen
 from oed.diagnosis.numbers import PREDICTION_GAIN, SETTLING, TESTED
 from oed.diagnosis.selection.screen import Scored, evaluate, polish, price
@@ -69,16 +70,19 @@ def _options(
 
 
 def _worth_when_refitted(scored: Scored, grown: Views, current: Views) -> float | None:
-    """What a candidate is worth in a model with it; None where it does not predict better."""
+    """What a candidate is worth in a model with it; None where it does not predict better.
+
+    The log evidence of all rows: of those that are fitted, and of the others given these.
+    """
     ahead, gain = grown.rise(current, "held_out"), grown.rise(current, "fitted")
     fitted = grown.showing(scored.candidate)
     rows = float(fitted.rows(chosen(fitted.problem, "fitted")).mean())
     occam = 0.5 * np.log(rows) * max(scored.worth.freedom, 1.0)
-    if ahead <= PREDICTION_GAIN or gain <= occam:
+    if ahead <= PREDICTION_GAIN or gain + ahead <= occam:
         return None
     if not _serves(scored.candidate, grown, current) or not is_tested(grown):
         return None
-    return float(gain - occam - price(scored.candidate, scored.values, fitted, rows))
+    return float(gain + ahead - occam - price(scored.candidate, scored.values, fitted, rows))
 
 
 def _serves(candidate: Candidate, grown: Views, current: Views) -> bool:
@@ -118,29 +122,34 @@ def _refined(views: Views, rounds: int) -> Views:
 def is_tested(views: Views) -> bool:
     """Whether held-out rows see enough of a model's last term to say whether it predicts.
 
-    Rows determine tr((A + P)^-1 A) of a smooth term's degrees of freedom, A the information of as
-    many rows as were fitted, P its prior's precision. Where the motions that are held out visit a
-    corner of what the others did, they see few of these, and what the term says elsewhere is
-    anyone's guess.
+    Rows determine tr((A + P)^-1 A) of a term's degrees of freedom, A the information of as many rows
+    as were fitted, P its prior's precision. What the term says elsewhere is anyone's guess: of a
+    smooth term where the motions that are held out visit a corner of what the others did, or go
+    along their paths once more; of a formula, which speaks beyond the rows that were fitted, where
+    those that are held out have none of it, such as a load that was put down before.
     """
     term = views.terms[-1]
-    if term.precision is None:
-        return True
     fitted = views.showing(term.candidate)
-    own = (
-        fitted.projection.columns[:, :, fitted.places[-1]]
-        * fitted.projection.weights[:, None, None]
-    )
-    rows = [own[:, chosen(fitted.problem, which)] for which in ("fitted", "held_out")]
-    seen, tested = (x.reshape(-1, x.shape[2]) for x in rows)
-    share = len(seen) / max(len(tested), 1)
-    return _freedom(tested, term.precision / share) >= TESTED * _freedom(seen, term.precision)
+    own = columns_of(term, fitted, fitted.places[-1])
+
+    def information(rows: Bool[ndarray, " rows"]) -> ndarray:
+        weights = fitted.projection.weights
+        return sum(
+            (weights[j] ** 2 * x[rows].T @ x[rows] for j, x in own.items()), np.zeros((1, 1))
+        )
+
+    used, held = (chosen(fitted.problem, which) for which in ("fitted", "held_out"))
+    if term.precision is not None:
+        held = fitted.problem.rows.off_path
+    seen = information(used)
+    tested = information(held) * used.sum() / max(held.sum(), 1)
+    precision = seen / max(used.sum(), 1) if term.precision is None else term.precision
+    return _freedom(tested, precision) >= TESTED * _freedom(seen, precision) > 0
 
 
 def _freedom(
-    columns: Float[ndarray, "rows columns"], precision: Float[ndarray, "columns columns"]
+    A: Float[ndarray, "columns columns"], precision: Float[ndarray, "columns columns"]
 ) -> float:
-    A = columns.T @ columns
     return float(np.trace(np.linalg.lstsq(A + precision, A)[0]))
 
 

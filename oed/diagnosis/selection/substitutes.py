@@ -16,6 +16,7 @@ from oed.diagnosis.evidence.term import Term
 from oed.diagnosis.evidence.views import Views, moments
 from oed.diagnosis.numbers import ALIKE, COMPARED, NAMED, PREDICTION_GAIN
 from oed.diagnosis.selection.judge import Judged, price_of, worth_of
+from oed.diagnosis.selection.look_ahead import is_tested
 from oed.diagnosis.selection.screen import Scored, evaluate
 from oed.diagnosis.selection.sign_refit import with_refitted_sign
 from oed.diagnosis.selection.table import Line
@@ -62,6 +63,10 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
         at = joint is None or candidate.joint in (joint, None) or candidate.is_named
         return at and not acting.isdisjoint(line.places)
 
+    def elsewhere(line: Line) -> bool:
+        """Through the base model an effect may give the same torque at a joint where it has none itself."""
+        return line.candidate.kind == own.term.candidate.kind and not near(line)
+
     mine = _given(whole, own)
     nothing = ahead(own.rest, own.rest.terms).shared()
 
@@ -73,8 +78,10 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
         if grown.terms[-1].label == own.term.label and nats <= own.worth.nats + PREDICTION_GAIN:
             return None
         is_excluded = nats < own.worth.nats - NOT_EXCLUDED
-        if not is_excluded and ahead(grown, grown.terms).rise(nothing, "held_out") <= 0:
-            return None
+        if not is_excluded:
+            told = ahead(grown, grown.terms)
+            if told.rise(nothing, "held_out") <= 0 or not is_tested(told):
+                return None
         given = _given(grown, own)
         is_same = _cosine(mine, given) > ALIKE or (
             not scored.candidate.is_named
@@ -84,12 +91,18 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
         cost = price_of(grown, grown.terms[-1], own.moments)
         return Substitute(grown.terms[-1], nats, is_same, cost)
 
-    asked = few(tables.best(own.rest, excluded, COMPARED, near))
-    others = [scored for scored in asked if not _is_itself(scored, own.term)]
+    here = few(tables.best(own.rest, excluded, COMPARED, near))
+    there = []
+    if own.term.candidate.is_named:
+        there = few(tables.best(own.rest, excluded, COMPARED, elsewhere))
+    others = [scored for scored in (*here, *there) if not _is_itself(scored, own.term)]
     same = [scored.candidate for scored in others]
-    found = parallel_map(placed, others, same=same, bytes_each=whole.nbytes)
+    asked = parallel_map(placed, others, same=same, bytes_each=whole.nbytes)
     itself = Substitute(own.term, own.worth.nats, True, price_of(whole, own.term, own.moments))
-    return sorted([itself, *(s for s in found if s is not None)], key=lambda r: -r.nats)
+    found = [
+        s for s, scored in zip(asked, others, strict=True) if s and (s.is_same or scored in here)
+    ]
+    return sorted([itself, *found], key=lambda r: -r.nats)
 
 
 def preferred(mine: Substitute, substitutes: Sequence[Substitute]) -> Substitute | None:

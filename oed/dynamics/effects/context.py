@@ -15,7 +15,6 @@ from oed.dynamics.effects.effect import Effect, with_columns
 from oed.dynamics.effects.friction import Coulomb, Viscous
 from oed.dynamics.effects.offset import TorqueOffset
 from oed.dynamics.effects.on_reference import with_ends
-from oed.dynamics.effects.payload import PickUp
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.effects.transmission import TransmissionChange
 from oed.dynamics.motion import Motion, follow_one_another
@@ -62,7 +61,6 @@ class Context:
             only assumed, what changes between two of them passes for anything in which they differ.
         beside: Effects found so far, each with its coefficients: delay, gain and load feel
             their torque too.
-        pickups: Recordings in which a load is taken up at a moment of their own.
         temperature_range: (n, 2) least and largest temperature of each joint [degrees Celsius];
             None where one recording or another has none, or no joint's changes.
     """
@@ -80,7 +78,6 @@ class Context:
     between: tuple[float, ...] = ()
     ordered: bool = True
     beside: Known = ()
-    pickups: tuple[PickUp, ...] = ()
     temperature_range: Float[ndarray, "joints 2"] | None = None
 
     @classmethod

@@ -16,25 +16,6 @@ from oed.robot import Robot
 
 
 @dataclass(frozen=True)
-class PickUp:
-    """When a load is taken up in one recording, and put down again.
-
-    Attributes:
-        first: Time of its first sample [s].
-        last: Time of its last one.
-        moment: From which on the load is held, on the same clock; infinite if never.
-        deviation: Standard deviation of the moment [s].
-        release: From which on it is no longer held, on the same clock; infinite if never.
-    """
-
-    first: float
-    last: float
-    moment: float
-    deviation: float = 0.0
-    release: float = np.inf
-
-
-@dataclass(frozen=True)
 class PayloadChange(Effect):
     """Inertial columns of a link from a moment on, for good or for a while.
 
@@ -49,7 +30,6 @@ class PayloadChange(Effect):
             their own.
         start: Origin of `moment` [s]; None for the first sample of each recording.
         memory: Of the columns, which a search for the moment asks for again and again; none if None.
-        pickups: Recordings that have a moment of their own, whatever `moment` is.
         held_for: How long it is held from the moment on [s].
     """
 
@@ -59,10 +39,8 @@ class PayloadChange(Effect):
     kept: tuple[int, ...] = tuple(range(10))
     start: float | None = None
     memory: ReferenceTorque | None = None
-    pickups: tuple[PickUp, ...] = ()
     held_for: float = np.inf
     name = "payload_change"
-    made_of = (PickUp,)
     part = "body"
 
     @property
@@ -100,7 +78,7 @@ class PayloadChange(Effect):
         self, state: State, memory: Sequence[Scalar], step: float
     ) -> tuple[Columns, Sequence[Scalar]]:
         """The link's columns, if the load is held at that time."""
-        since_then = dataclasses.replace(self, start=0.0, pickups=(), memory=None)
+        since_then = dataclasses.replace(self, start=0.0, memory=None)
         now = dataclasses.replace(state, t=memory[0])
         return since_then.entries(now), (memory[0] + step,)
 
@@ -110,11 +88,6 @@ class PayloadChange(Effect):
         Args:
             t: Time of one recording [s].
         """
-        if isinstance(t, (np.ndarray, float)):
-            first = float(np.ravel(t)[0])
-            for own in self.pickups:
-                if own.first <= first <= own.last:
-                    return np.asarray((t >= own.moment) & (t < own.release), dtype=float)
         along = since(t, self.start) - self.moment
         taken_up = at_least(along, 0.0)
         return taken_up if np.isinf(self.held_for) else taken_up - at_least(along, self.held_for)

@@ -109,8 +109,8 @@ def floor_from_repetitions(
         trusted: Which show nothing but noise.
         rate: Of the rows [Hz].
         repeated: What errs alike in all repetitions of each recording, laid out like `series`
-            [N m]. No difference shows it; beside their mean it is louder than beside one, and it
-            has a share in the colour.
+            [N m]. No difference shows it, and it is noise of each. Beside their mean it is louder than
+            beside one, and has such a share in the colour.
         cutoff: Of the rows' low-pass, which whitening does not undo [Hz]; none if None.
     """
     edge = 1.0 if cutoff is None else 2 * cutoff / rate
@@ -119,13 +119,16 @@ def floor_from_repetitions(
     masks = [x for m in trusted for x in np.logical_and.reduce([own for _, own in _neighbours(m)])]
     masks = _quiet(apart, masks, round(BLOCK * rate))
     joints = series[0].shape[2]
-    heard = apart if repeated is None else _with_repeated(series, repeated)
+    each, heard = apart, apart
+    if repeated is not None:
+        each = _with_repeated(series, repeated, [1.0] * len(series))
+        heard = _with_repeated(series, repeated, [float(np.sqrt(len(s))) for s in series])
     noise = tuple(
         fit_autoregression([d[:, j] for d in heard], trusted=[m[:, j] for m in masks], edge=edge)
         for j in range(joints)
     )
     ones = np.ones(joints)
-    deviation = _deviation(apart, masks, ones)
+    deviation = _deviation(each, masks, ones)
     told = np.concatenate([_told(len(folded)) for folded in series])
     freedom = told @ np.array([m.sum(axis=0) for m in masks])
     return NoiseFloor("repetitions", noise, deviation, ones, np.maximum(freedom, 1.0))
@@ -134,12 +137,13 @@ def floor_from_repetitions(
 def _with_repeated(
     series: Sequence[Float[ndarray, "_ _ joints"]],
     repeated: Sequence[Float[ndarray, "_ _ joints"]],
+    shares: Sequence[float],
 ) -> list[Float[ndarray, "_ joints"]]:
-    """Differences with what errs alike in all repetitions, as it stands beside their mean."""
+    """Differences with what errs alike in all repetitions, by a share for each recording."""
     heard = []
-    for folded, alike in zip(series, repeated, strict=True):
+    for folded, alike, share in zip(series, repeated, shares, strict=True):
         apart = differences(folded)
-        heard += list(apart + np.sqrt(len(folded)) * alike[: len(apart)])
+        heard += list(apart + share * alike[: len(apart)])
     return heard
 
 

@@ -1,13 +1,12 @@
 """A payload is inertia added to the link that holds it, from its moment on."""
 
-import dataclasses
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from oed.dynamics.effects.entries.payload import visible_load
-from oed.dynamics.effects.payload import PayloadChange, PickUp
+from oed.dynamics.effects.payload import PayloadChange
 from oed.dynamics.newton_euler import rigid_body_torque
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot import load_robot
@@ -52,30 +51,11 @@ def test_each_recording_starts_its_own_clock() -> None:
     assert model.columns(later) == pytest.approx(model.columns(motion))
 
 
-def test_a_recording_may_have_a_moment_of_its_own() -> None:
-    robot = scara()
-    motion = smooth_motion(robot, step=0.02)
-    later = dataclasses.replace(motion, t=motion.t + 1000.0)
-    own = PickUp(later.t[0], later.t[-1], 1002.0)
-    models = {
-        name: TorqueModel(robot, (PayloadChange(robot, 1, moment, pickups=pickups),))
-        for name, moment, pickups in [("own", 4.0, (own,)), ("at_2", 2.0, ()), ("at_4", 4.0, ())]
-    }
-    assert np.array_equal(models["own"].columns(motion), models["at_4"].columns(motion))
-    assert models["own"].columns(later) == pytest.approx(models["at_2"].columns(motion))
-    never = PickUp(later.t[0], later.t[-1], np.inf)
-    unloaded = TorqueModel(robot, (PayloadChange(robot, 1, 4.0, pickups=(never,)),))
-    assert not unloaded.columns(later).any()
-
-
 def test_a_load_may_be_put_down_again() -> None:
     robot = scara()
     motion = smooth_motion(robot, step=0.02)
-    later = dataclasses.replace(motion, t=motion.t + 1000.0)
-    own = PickUp(later.t[0], later.t[-1], 1002.0, release=1003.0)
-    for_a_while = PayloadChange(robot, 1, 4.0, pickups=(own,), held_for=2.5)
+    for_a_while = PayloadChange(robot, 1, 4.0, held_for=2.5)
     assert np.array_equal(for_a_while.held(motion.t), (motion.t >= 4.0) & (motion.t < 6.5))
-    assert np.array_equal(for_a_while.held(later.t), (later.t >= 1002.0) & (later.t < 1003.0))
 
 
 @pytest.mark.parametrize(

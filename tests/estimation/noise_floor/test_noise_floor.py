@@ -58,6 +58,20 @@ def test_a_change_from_repetition_to_repetition_is_no_noise(change, repetitions)
         assert noise.deviation == pytest.approx(size, rel=0.1)
 
 
+def test_what_errs_alike_in_all_repetitions_is_noise_of_each():
+    """Rounding of encoders that comes again with the motion: no difference shows it."""
+    rng = np.random.default_rng(3)
+    apart, alike = (
+        rng.normal(size=(4, 20_000, 1)),
+        np.tile(rng.normal(size=(1, 20_000, 1)), (4, 1, 1)),
+    )
+    trusted = [np.ones(apart.shape, dtype=bool)]
+    floor = floor_from_repetitions([apart], trusted, RATE, [2.0 * alike])
+    assert floor.deviation == pytest.approx([np.sqrt(1 + 2.0**2)], rel=0.02)
+    # Beside the mean of four, in units of a single one's noise, it is twice as loud.
+    assert floor.noise[0].deviation == pytest.approx(np.sqrt(1 + 4 * 2.0**2), rel=0.02)
+
+
 def test_differences_have_the_size_of_one_repetition():
     noise = np.random.default_rng(0).normal(size=(5, 20000, 1))
     assert np.std(differences(noise)) == pytest.approx(1.0, rel=0.01)

@@ -60,9 +60,8 @@ def _payload(context: Context, _target: Target, values: tuple[float, ...]) -> Pa
     kept = _visible(context)
     moment, clock, held = values
     start = start_of(context, clock)
-    memory, pickups = context.reference, context.pickups
     held_for = held if held < FOR_GOOD else np.inf
-    return PayloadChange(robot, last, moment, kept, start, memory, pickups, held_for)
+    return PayloadChange(robot, last, moment, kept, start, context.reference, held_for)
 
 
 @dataclass(frozen=True)
@@ -145,7 +144,7 @@ PAYLOAD_CHANGE = CatalogueEntry(
         source="Khalil, Gautier, Lemoine 2007, IEEE Int. Conf. Robotics and Automation, 3492-3497; "
         "Swevers, Verdonck, Naumer, Pieters, Biber 2002, Int. J. Robotics Research 21(8)",
         parameters="up to ten standard parameters of the load in the last body's frame; t_0 in s "
-        "since the start of the recording or of the session, or one for each recording",
+        "since the start of the recording or of the session",
         signature="repetitions before a moment differ from those after it, in inertia and gravity",
         confused_with=("thermal_drift", "gravity_direction"),
         exposed_by="the same motion with a known mass",
