@@ -5,7 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.diagnosis.inference.errors import Predictor, compare
+from oed.diagnosis.diagnose import _unlocated
+from oed.diagnosis.inference.errors import Predictor, RoleErrors, compare
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.preparation.prepare import prepare
 from tests.diagnosis.arm import data_set
@@ -60,3 +61,18 @@ def test_rows_count_by_their_weights():
     expected = np.sqrt(np.average(own.torque**2, axis=0, weights=weights))
     assert found.after == pytest.approx(expected)
     assert found.counted == pytest.approx(weights.mean(axis=0))
+
+
+@pytest.mark.parametrize("role", ["estimation", "validation", "test"])
+def test_errors_that_the_search_saw_leave_a_joint_unexplained_and_those_of_the_test_do_not(role):
+    """A push in an estimation recording is no validation error, and yet the model lacks it."""
+    quiet, loud = np.array([1.0, 1.0]), np.array([1.0, 2.1])
+    nothing = np.zeros((2, 2))
+    errors = [
+        RoleErrors(own, quiet, after, after, quiet, nothing, nothing, nothing)
+        for own in ("estimation", "validation", "test")
+        for after in [loud if own == role else quiet]
+    ]
+    found = _unlocated((), errors, np.ones(2))
+    assert [u.joint for u in found] == ([] if role == "test" else [1])
+    assert _unlocated(found, errors, np.ones(2)) == ()
