@@ -45,7 +45,8 @@ def suffixed_unit(name: str, quantity: Quantity) -> tuple[str, str]:
 def unknown_unit(names: Sequence[str], quantity: Quantity) -> str:
     """What the names of a quantity of several joints all end with in brackets, if it is no unit of it.
 
-    What differs from one to the next is of which joint it is.
+    What differs from one to the next is of which joint it is, and a word of four letters or more is
+    more likely one of the name: units are shorter, or hold a sign.
     """
     matches = [MARKED[0].fullmatch(name.strip()) for name in names]
     marks = {"" if match is None else match[2] for match in matches}

@@ -15,7 +15,7 @@ from numpy import ndarray
 from scipy.signal import periodogram
 
 from oed.diagnosis.inference.errors import Predictor
-from oed.diagnosis.numbers import MOSTLY, SHORTLY
+from oed.diagnosis.numbers import BLOCK_SECONDS, MOSTLY, SHORTLY
 from oed.experiment.preparation.prepared import Prepared
 
 MAIN_LOBE = 2  # frequencies on each side that a steady swing spreads over under Hann's window
@@ -23,7 +23,6 @@ HANN = (
     1.5  # mean square of Hann's window over the square of its mean: by which its lobe is too large
 )
 LEAST_PERIODS = 10  # in a recording: slower than that, a drift or misfit of the motion looks alike
-BLOCK = 0.5  # [s] by which time is divided
 
 
 @dataclass(frozen=True)
@@ -123,7 +122,7 @@ def burst(
 
     Noise of any loudness that is steady has such a share in no short time.
     """
-    length = max(1, round(BLOCK * rate))
+    length = max(1, round(BLOCK_SECONDS * rate))
     blocks = [np.add.reduceat(x**2, np.arange(0, len(x), length)) for x in left]
     whole, count = sum(float(b.sum()) for b in blocks), sum(len(b) for b in blocks)
     for width in range(1, int(SHORTLY * count) + 1):

@@ -72,12 +72,12 @@ class WhiteRows:
     @cached_property
     def off_path(self) -> Bool[ndarray, " rows"]:
         """(R,) held-out rows of a motion along no fitted path; of an arm that stands, none."""
-        band = self.prepared[0].band
-        positions = [p.motion.q[band.reach :: band.factor][: p.rows] for p in self.prepared]
+        positions = [p.motion.q[p.samples] for p in self.prepared]
         ends = np.cumsum([p.rows for p in self.prepared])[:-1]
         seen = [q[own] for q, own in zip(positions, np.split(self.fitted, ends), strict=True)]
         fitted = [q for q in seen if len(q)]
-        apart = [steps_apart(q, fitted, band.analysis_rate) for q in positions]
+        rate = self.prepared[0].band.analysis_rate
+        apart = [steps_apart(q, fitted, rate) for q in positions]
         return self.held_out & (np.concatenate(apart) > 1)
 
     def blocks(self, correlated: float) -> Int[ndarray, " rows"]:

@@ -144,7 +144,7 @@ def _balanced(
     # Two rows: where repetitions are no multiple of a row, one may lie beside the other.
     width = 2 * recording.band.factor
     fine = np.arange(len(recording.motion))
-    rows = recording.band.reach + recording.band.factor * np.arange(len(weights))
+    rows = recording.samples
     turn = np.floor((fine + 0.5) / period).astype(int)
     place = recording.place_in_period // width
     bins = (turn.max() + 1, place.max() + 1)

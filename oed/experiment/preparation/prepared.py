@@ -76,6 +76,11 @@ class Prepared:
         return len(self.t)
 
     @property
+    def samples(self) -> Int[ndarray, " rows"]:
+        """Index of the fine sample in the middle of each row's filter window."""
+        return self.band.reach + self.band.factor * np.arange(self.rows)
+
+    @property
     def phase(self) -> Float[ndarray, " rows"]:
         """Time within the period, or the time itself without repetitions [s]."""
         return self.t if self.period is None else np.mod(self.t, self.period)

@@ -99,6 +99,7 @@ def test_all_repetitions_count_alike():
     for start, p in zip(rows.starts, estimation, strict=False):
         weights = rows.weights[start : start + p.rows]
         place = p.band.reach + p.band.factor * np.arange(p.rows)
+        assert np.array_equal(p.samples, place)
         phase = p.place_in_period[place] // (2 * p.band.factor)
         turn = (place + 0.5) // ((p.period or np.inf) * p.band.rate)
         for k in np.unique(phase):
