@@ -15,12 +15,20 @@ RATE = 100.0  # [Hz]
 def test_a_swing_is_told_by_its_frequency_and_its_size():
     rng = np.random.default_rng(0)
     t = np.arange(2000) / RATE
-    found = swing(2.0 * np.sin(2 * np.pi * 3.31 * t) + rng.normal(size=len(t)), RATE)
+    slow = 30.0 * np.sin(2 * np.pi * 0.5 * t)
+    found = swing(2.0 * np.sin(2 * np.pi * 3.31 * t) + rng.normal(size=len(t)), slow, RATE)
     assert found is not None
     frequency, rms, share = found
     assert frequency == pytest.approx(3.31, abs=0.01)
     assert rms == pytest.approx(np.sqrt(2.0), rel=0.1)
     assert share == pytest.approx(2 / 3, abs=0.05)  # 2 of 2 + 1
+
+
+def test_a_line_that_the_motion_has_may_be_its_misfit():
+    t = np.arange(2000) / RATE
+    left = np.sin(2 * np.pi * 0.5 * t)
+    assert swing(left, 0.5 * left, RATE) is not None
+    assert swing(left, 2.0 * left, RATE) is None
 
 
 def test_a_push_is_told_by_its_recording_and_its_moment():
@@ -40,8 +48,8 @@ def test_noise_of_any_colour_and_a_drift_are_neither():
     rng = np.random.default_rng(1)
     for _ in range(200):
         white = rng.normal(size=1000)
-        assert swing(white, RATE) is None
-        assert swing(np.cumsum(white), RATE) is None
+        assert swing(white, 0 * white, RATE) is None
+        assert swing(np.cumsum(white), 0 * white, RATE) is None
         assert burst([white], RATE) is None
 
 

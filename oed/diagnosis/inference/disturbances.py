@@ -54,21 +54,28 @@ def disturbances(
         weights: Of their valid rows, from 0 to 1: less where the direction of motion is uncertain.
         model: Whose errors they are.
     """
-    left = []
+    left, given = [], []
     for recording, weight in zip(prepared, weights, strict=True):
-        whole = np.zeros_like(recording.torque)
-        whole[recording.valid] = model.errors(recording) * np.sqrt(weight)
-        left.append(whole)
-    joints = range(left[0].shape[1])
-    found = (_swing_or_burst(prepared, [x[:, j] for x in left], j) for j in joints)
+        own = model.torque(recording)
+        error = np.zeros_like(own)
+        error[recording.valid] = (recording.torque - own)[recording.valid] * np.sqrt(weight)
+        left.append(error)
+        given.append(own)
+    found = (
+        _swing_or_burst(prepared, [x[:, j] for x in left], [x[:, j] for x in given], j)
+        for j in range(left[0].shape[1])
+    )
     return tuple(d for d in found if d is not None)
 
 
 def _swing_or_burst(
-    prepared: Sequence[Prepared], left: Sequence[Float[ndarray, " _"]], joint: int
+    prepared: Sequence[Prepared],
+    left: Sequence[Float[ndarray, " _"]],
+    given: Sequence[Float[ndarray, " _"]],
+    joint: int,
 ) -> Disturbance | None:
     rate = prepared[0].band.analysis_rate
-    swings = [swing(x, rate) for x in left]
+    swings = [swing(x, y, rate) for x, y in zip(left, given, strict=True)]
     heard = [s for s in swings if s is not None]
     if heard and len(heard) == len(swings):
         frequency, rms, share = max(heard, key=lambda s: s[1])
@@ -91,24 +98,33 @@ def _swing_or_burst(
         rms,
         share,
         f"torque from {own.t[0] + start:.1f} to {own.t[0] + end:.1f} s of {own.name} ({rms:.2g} N m rms), "
-        f"{share:.0%} of the variance that is left: a push, a blow or a load for a moment",
+        f"{share:.0%} of the variance that is left: a push, a blow or a load for a moment, or motion unlike "
+        "all other",
         "look at what happened then; if it is no part of the experiment, cut it out (from and to in "
         "dataset.toml) or record the motion again",
     )
 
 
-def swing(left: Float[ndarray, " rows"], rate: float) -> tuple[float, float, float] | None:
+def swing(
+    left: Float[ndarray, " rows"], given: Float[ndarray, " rows"], rate: float
+) -> tuple[float, float, float] | None:
     """Frequency [Hz], rms and share of a line in the spectrum that has most of the variance.
 
     Noise of n rows has no frequency with more than about log(n) / n of it (Fisher 1929, Proc. R. Soc.
-    A 125), so half of it is never chance.
+    A 125), so half of it is never chance. Where the motion itself swings so, the line may be its misfit.
+
+    Args:
+        left: Errors of a model, in time [N m].
+        given: Torque that it predicts: where this has more, the motion has that frequency [N m].
+        rate: Of the rows [Hz].
     """
     frequency, power = periodogram(left, rate, window="hann", scaling="spectrum")
+    _, of_motion = periodogram(given, rate, window="hann", scaling="spectrum")
     power[:LEAST_PERIODS] = 0.0
     peak, variance = int(np.argmax(power)), float(np.var(left))
     near = slice(max(peak - MAIN_LOBE, 0), peak + MAIN_LOBE + 1)
     own = float(power[near].sum()) / HANN
-    if variance <= 0 or own < MOSTLY * variance:
+    if variance <= 0 or own < MOSTLY * variance or power[near].sum() <= of_motion[near].sum():
         return None
     # The lobe of a swing between two frequencies has its weight between them.
     middle = float(frequency[near] @ power[near] / power[near].sum())
