@@ -16,6 +16,10 @@ needs_shared_data = pytest.mark.skipif(
     reason="the measured recordings (../shared/data, beside the checkout) are not on this machine",
 )
 
+needs_shared_cases = pytest.mark.skipif(
+    not SHARED_CASES.is_dir(),
+    reason="the small cases (../shared/cases, beside the checkout) are not on this machine",
+)
 
 needs_shared_logs = pytest.mark.skipif(
     not SHARED_LOGS.is_dir(),

@@ -38,19 +38,15 @@ def load_robot(
     """Load a fixed-base arm.
 
     Args:
-        source: Path of a URDF, xacro, SDF or MJCF file or of a table of Denavit-Hartenberg
-            parameters (see `read_description`), or "builtin:NAME".
-        joints: Names of the active joints in the order of the columns; if None all revolute
-            and prismatic joints that do not mimic another, from the base outward. The others
-            are held still.
-        locked: Position [rad or m] at which a joint is held; 0 if not given, or where its leader
-            has it if it mimics another.
+        source: URDF, xacro, SDF, MJCF or Denavit-Hartenberg file (`read_description`), or "builtin:NAME".
+        joints: Names of the active joints in the order of the columns, the others being held; if
+            None all that move and do not mimic another, from the base outward.
+        locked: Position [rad or m] of held joints; 0, or where its leader has it, if not given.
         gravity: In the base frame [m/s^2].
         place: The file that this one is a copy of, see `read_description`.
 
     Returns:
-        The robot; its `notes` say what was replaced, fixed or assumed, and its `description` is
-        what any other program must be given.
+        The robot; its `notes` say what was replaced, fixed or assumed, its `description` is for others.
 
     Raises:
         RobotError: If the file cannot be read, contradicts itself, or lacks a joint that was named.
@@ -69,14 +65,11 @@ def load_arm(
 ) -> Robot:
     """Load an arm: the named joints, or those from the base to where a hand branches off.
 
-    Of several arms in one file the longest is taken, the first of equals; the robot's notes say
-    so and name the joints of the others.
+    Of several arms in one file the longest is taken, the first of equals; its notes name the others.
 
     Args:
-        source: Path of a URDF, xacro, SDF or MJCF file or of a table of Denavit-Hartenberg
-            parameters, or "builtin:NAME".
-        joints: Names of the active joints, in the order of the columns; the arm's if empty. All
-            others are held still.
+        source: A robot's file of any format that `load_robot` reads, or "builtin:NAME".
+        joints: Names of the active joints, in the order of the columns; the arm's if empty.
         gravity: (3,) in the base frame [m/s^2].
 
     Returns:

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from oed.checkup.cause import USELESS, Cause
-from oed.checkup.checkup import check_dataset
 from oed.checkup.search import find_cause
 from oed.dynamics.models import build_model
 from oed.estimation.stacking import process_all
@@ -15,12 +14,7 @@ from oed.experiment.drive import Drive
 from oed.experiment.preparation.settings import choose_settings
 from oed.experiment.read_dataset import read_dataset
 from tests.checkup.arm import changed, data_set, placeholder, robot, with_robot
-from tests.paths import REPO, SHARED_DATA, needs_shared_data
-
-CASES = REPO.parent / "shared" / "cases"
-needs_cases = pytest.mark.skipif(
-    not CASES.is_dir(), reason="the small cases (../shared/cases) are not on this machine"
-)
+from tests.paths import SHARED_CASES, SHARED_DATA, needs_shared_cases, needs_shared_data
 
 
 @pytest.fixture(scope="module")
@@ -264,52 +258,19 @@ def test_two_things_at_once_are_not_guessed_on_a_measured_arm():
     assert has_no_cause(with_robot(data, data.robot.with_gravity(np.array([0.0, 9.81, 0.0]))))
 
 
-@needs_cases
+@needs_shared_cases
 @pytest.mark.parametrize(
     ("name", "kind"), [("sign_reversed_all_joints", "sign"), ("drive_gear_not_included", "gear")]
 )
 def test_the_known_cases_are_named(name, kind):
-    assert cause(read_dataset(CASES / name)).kind == kind
+    assert cause(read_dataset(SHARED_CASES / name)).kind == kind
 
 
-def med7():
-    """Poorly excited: a bad fit, which hardly anything repairs."""
-    return read_dataset(CASES / "feasible_no_solver_med7")
-
-
-def checked(data):
-    return check_dataset(
-        data, build_model("standard", data.robot), choose_settings(data.recordings)
-    )
-
-
-def gravity_of(checkup):
-    return next(f for f in checkup.findings if f.topic == "gravity")
-
-
-@needs_cases
+@needs_shared_cases
 def test_a_reversed_gravity_that_the_motion_does_not_tell_is_told_by_the_file_s_inertials():
-    data = med7()
+    # Poorly excited: a bad fit, which hardly anything repairs.
+    data = read_dataset(SHARED_CASES / "feasible_no_solver_med7")
     found = cause(with_robot(data, data.robot.with_gravity(-data.robot.gravity)))
     assert found.kind == "gravity"
     assert found.remedy == "declare gravity = [0, 0, -9.81]"
     assert has_no_cause(data)
-
-
-@needs_cases
-def test_what_only_makes_a_bad_fit_less_bad_is_no_reversed_gravity():
-    data = med7()
-    flip = np.array([1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0])
-    logs = tuple(dataclasses.replace(r, tau=r.tau * flip) for r in data.recordings)
-    assert gravity_of(checked(dataclasses.replace(data, recordings=logs))).level == "green"
-
-
-@needs_cases
-def test_gravity_in_another_unit_does_not_pass_for_a_unit_of_the_torques():
-    """Beside rotors' inertias only coupling tells its size, and here hardly any is excited."""
-    data = med7()
-    found = checked(with_robot(data, data.robot.with_gravity(100 * data.robot.gravity)))
-    assert found.cause is None
-    gravity = gravity_of(found)
-    assert gravity.level != "green"
-    assert "100 times that on Earth" in gravity.text

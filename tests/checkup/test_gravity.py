@@ -5,10 +5,16 @@ import dataclasses
 import numpy as np
 import pytest
 
+from oed.checkup.checkup import check_dataset
 from oed.checkup.gravity import gravity_finding
 from oed.checkup.search import find_cause
+from oed.dynamics.models import build_model
+from oed.experiment.preparation.settings import choose_settings
+from oed.experiment.read_dataset import read_dataset
 from tests.checkup import hanging_arm
+from tests.checkup.arm import with_robot
 from tests.checkup.simulated_arm import dataset, model_of, processed, recorded
+from tests.paths import SHARED_CASES, needs_shared_cases
 
 
 def cause(data):
@@ -54,3 +60,37 @@ def test_a_size_that_is_nowhere_on_earth_is_told():
     found = gravity_finding(dataset(gravity=(0.0, 0.0, -981.0)))
     assert found.level == "amber"
     assert "100 times that on Earth" in found.text
+
+
+def med7():
+    """Poorly excited: a bad fit, which hardly anything repairs."""
+    return read_dataset(SHARED_CASES / "feasible_no_solver_med7")
+
+
+def checked(data):
+    return check_dataset(
+        data, build_model("standard", data.robot), choose_settings(data.recordings)
+    )
+
+
+def gravity_of(checkup):
+    return next(f for f in checkup.findings if f.topic == "gravity")
+
+
+@needs_shared_cases
+def test_what_only_makes_a_bad_fit_less_bad_is_no_reversed_gravity():
+    data = med7()
+    flip = np.array([1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0])
+    logs = tuple(dataclasses.replace(r, tau=r.tau * flip) for r in data.recordings)
+    assert gravity_of(checked(dataclasses.replace(data, recordings=logs))).level == "green"
+
+
+@needs_shared_cases
+def test_gravity_in_another_unit_does_not_pass_for_a_unit_of_the_torques():
+    """Beside rotors' inertias only coupling tells its size, and here hardly any is excited."""
+    data = med7()
+    found = checked(with_robot(data, data.robot.with_gravity(100 * data.robot.gravity)))
+    assert found.cause is None
+    gravity = gravity_of(found)
+    assert gravity.level != "green"
+    assert "100 times that on Earth" in gravity.text
