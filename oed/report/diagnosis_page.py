@@ -195,8 +195,7 @@ def _below_floor(found: Diagnosis, labels: Sequence[str]) -> str:
         return ""
     return (
         f" At {', '.join(below)} less than that is left of recordings that nothing was fitted to: the "
-        "floor there, read off before anything was added, holds part of what was found, and the noise "
-        "is lower."
+        "floor there, read off before anything was added, holds more than noise, and the noise is lower."
     )
 
 

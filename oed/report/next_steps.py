@@ -168,7 +168,7 @@ def _disturbed(found: Diagnosis) -> tuple[Step, ...]:
     for d in found.disturbances:
         joints.setdefault(d.exposed_by, {})[place_words(d.joint)] = None
     return tuple(
-        Step(f"Of what is left at {_listed(places)}, {exposed_by}.")
+        Step(f"To know what is left at {_listed(places)}, {exposed_by}.")
         for exposed_by, places in joints.items()
     )
 

@@ -17,8 +17,8 @@ STAND_IN = (
     "it keeps the value of the edge. One noise floor is the standard deviation of the joint's noise."
 )
 UNTOLD = (
-    "Error is left that is clearly larger than noise, and no effect of the catalogue and no curve that was "
-    "tried describes it. One noise floor is the standard deviation of the joint's noise."
+    "What is left here is more than noise, or no noise by its course in time; no effect of the catalogue and "
+    "no curve that was tried describes it. One noise floor is the standard deviation of the joint's noise."
 )
 NEAREST = (
     "Behind: log evidence by which the best description is ahead of the nearest name; at 3 nats it is 20 "

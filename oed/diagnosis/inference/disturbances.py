@@ -33,7 +33,7 @@ class Disturbance:
         joint: From 0.
         rms: While it lasts [N m].
         share: Of the variance that is left at the joint, 0 to 1.
-        words: What it is, and what it may be.
+        words: What it is.
         exposed_by: What tells where it comes from.
     """
 
@@ -83,8 +83,7 @@ def _swing_or_burst(
             joint,
             rms,
             share,
-            f"torque that swings at {frequency:.3g} Hz ({rms:.2g} N m rms), {share:.0%} of the variance that "
-            "is left: a vibration or a disturbance, no function of the motion that was tried",
+            f"a swing at {frequency:.3g} Hz, {rms:.2g} N m rms, {share:.0%} of the variance that is left",
             "log the torque while the arm stands still, with its controller on: a swing that stays comes "
             "from the controller, the supply or the floor; one that goes is shaken loose by the motion",
         )
@@ -97,11 +96,10 @@ def _swing_or_burst(
         joint,
         rms,
         share,
-        f"torque from {own.t[0] + start:.1f} to {own.t[0] + end:.1f} s of {own.name} ({rms:.2g} N m rms), "
-        f"{share:.0%} of the variance that is left: a push, a blow or a load for a moment, or motion unlike "
-        "all other",
-        "look at what happened then; if it is no part of the experiment, cut it out (from and to in "
-        "dataset.toml) or record the motion again",
+        f"a push from {own.t[0] + start:.1f} to {own.t[0] + end:.1f} s of {own.name}, {rms:.2g} N m rms, "
+        f"{share:.0%} of the variance that is left",
+        "look at what happened then, a push, a blow, a load for a moment or motion unlike all other; if it "
+        "is no part of the experiment, cut it out (from and to in dataset.toml) or record the motion again",
     )
 
 
