@@ -16,6 +16,7 @@ from oed.experiment.dataset import DataSet
 from oed.experiment.imi_recordings import control_period, record_imi
 from oed.experiment.recording import Role
 from oed.experiment.write_dataset import write_dataset
+from oed.export.model_file import NAME
 from oed.report.page import Links, Page, Section, Verdict, write_page
 from oed.report.provenance import Provenance
 from oed.report.study_files import DEMO, RECORDINGS
@@ -31,11 +32,15 @@ PAGES = (
     ("The recordings", "check/report.html", "looked over before any fit"),
     ("The parameters", "identify/report.html", "with 95 % intervals, and their errors held out"),
     ("What the model lacks", "diagnosis/report.html", "the effect found, and what it gains"),
-    ("A model for a simulator", "feasible/report.html", "bodies that exist; URDF, SDF, MJCF"),
+    (
+        "A model for a simulator",
+        "feasible/report.html",
+        "bodies that exist, beside the effect found; URDF, SDF, MJCF",
+    ),
     (
         "The model as code",
         "export/oed_model.h",
-        "C for a controller; beside it a MuJoCo simulation",
+        "C for a controller, with the effect found; beside it a MuJoCo simulation",
     ),
 )
 
@@ -80,8 +85,10 @@ def _steps(config: Demo) -> tuple[tuple[str, Callable[[], int]], ...]:
             lambda: diagnose.run(Diagnose(**given, **size, out=out / "diagnosis")),
         ),
         (
-            "making a model for a simulator",
-            lambda: feasible.run(Feasible(**given, **size, out=out / "feasible", model=MODEL)),
+            "estimating bodies beside what was found",
+            lambda: feasible.run(
+                Feasible(**given, **size, out=out / "feasible", model=out / "diagnosis" / NAME)
+            ),
         ),
         (
             "writing it as code and as a simulation",

@@ -37,7 +37,13 @@ from oed.export.sdf import write_sdf
 from oed.export.urdf import write_urdf
 from oed.one_thread import on_one_thread
 from oed.report.feasible_report import write_feasible
-from oed.report.feasible_rows import change_rows, link_rows, solver_comparison, validation_rows
+from oed.report.feasible_rows import (
+    change_rows,
+    interval_of_measured,
+    link_rows,
+    solver_comparison,
+    validation_rows,
+)
 from oed.report.provenance import Provenance
 from oed.report.study_files import FEASIBLE
 from oed.report.table import Row, text_table
@@ -135,7 +141,7 @@ def export(result: FeasibleCalibration, out: Path, home: Path) -> list[Row]:
         ParameterTable(
             estimate.model.parameters,
             estimate.parameters,
-            result.bootstrap.interval(),
+            interval_of_measured(result),
             estimate.from_data,
             estimate.at_bound,
         ),

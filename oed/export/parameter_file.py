@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import yaml
 from jaxtyping import Bool, Float
 from numpy import ndarray
@@ -21,7 +22,7 @@ class ParameterTable:
     Attributes:
         parameters: (p,) names, units and joints.
         values: (p,) in the units.
-        interval: (p, 2) [lower, upper]; None where none was computed.
+        interval: (p, 2) [lower, upper]; nan where the data tell none, None where none was computed.
         from_data: (p,) share of each value that the data decide; the rest is the prior's.
         at_bound: (p,) whether a demand of physics presses on it: the interval then shows that
             demand, not how far the truth may be.
@@ -60,7 +61,7 @@ def write_parameters(
     by_place: dict[str, dict[str, object]] = {name: {} for name in joints}
     for k, parameter in enumerate(table.parameters):
         entry: dict[str, object] = {"value": float(table.values[k]), "unit": parameter.unit}
-        if table.interval is not None:
+        if table.interval is not None and np.isfinite(table.interval[k]).all():
             entry["interval"] = [float(bound) for bound in table.interval[k]]
         entry["from_data"] = round(float(table.from_data[k]), 4)
         entry["at_bound"] = bool(table.at_bound[k])

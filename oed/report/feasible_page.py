@@ -205,7 +205,7 @@ def _parameters_section(result: FeasibleCalibration) -> Section:
             Text(
                 f"Intervals: {result.bootstrap.method}. `from_data` is the share of a value that the "
                 f"data decide; for {undecided} of {len(estimate.names)} it is below one half, and "
-                f"these are close to {reference}. Their intervals say nothing of the truth."
+                f"these are close to {reference}: they have no interval, since none would say anything of the truth."
             ),
             *([Text(AT_BOUND)] if estimate.active else []),
             Table(parameter_rows(result)),

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
 
 from oed.estimation.feasible.calibration import FeasibleCalibration
 from oed.estimation.feasible.change_from_file import LinkChange
@@ -12,22 +14,31 @@ MOSTLY_DATA = 0.5  # share from data above which a parameter counts as measured
 
 
 def parameter_rows(result: FeasibleCalibration) -> list[Row]:
-    """One row for each standard parameter and each effect's."""
-    estimate, interval = result.estimate, result.bootstrap.interval()
+    """One row for each standard parameter and each effect's.
+
+    What the data do not decide has no interval: its value is the reference's, and so is its spread.
+    """
+    estimate, interval = result.estimate, interval_of_measured(result)
     at_bound = estimate.at_bound
     return [
         {
             "name": name,
             "unit": estimate.units[k],
             "value": float(estimate.parameters[k]),
-            "lower95": float(interval[k, 0]),
-            "upper95": float(interval[k, 1]),
+            "lower95": _finite(interval[k, 0]),
+            "upper95": _finite(interval[k, 1]),
             "from_data": float(estimate.from_data[k]),
             "at_bound": bool(at_bound[k]),
             "reference": float(estimate.reference[k]) if k < len(estimate.reference) else None,
         }
         for k, name in enumerate(estimate.names)
     ]
+
+
+def interval_of_measured(result: FeasibleCalibration) -> Float[ndarray, "p 2"]:
+    """95 % intervals of the parameters that the data decide; nan for all others."""
+    measured = result.estimate.from_data > MOSTLY_DATA
+    return np.where(measured[:, None], result.bootstrap.interval(), np.nan)
 
 
 def solver_comparison(result: FeasibleCalibration) -> str:
@@ -100,8 +111,8 @@ def _change_row(change: LinkChange) -> Row:
     return row
 
 
-def _finite(deviation: float) -> float | None:
-    return deviation if np.isfinite(deviation) else None
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
 
 
 def validation_rows(result: FeasibleCalibration) -> list[Row]:

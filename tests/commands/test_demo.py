@@ -11,6 +11,8 @@ import pytest
 from oed.commands import design
 from oed.commands.configurations import Design
 from oed.commands.demo import PAGES
+from oed.dynamics.effects.position import JointSpring
+from oed.export.model_file import load_model
 from oed.report.json_file import read_json
 from tests.browser import Browser
 from tests.running import oed, recorded
@@ -41,6 +43,15 @@ def test_the_demo_finds_the_cable_and_links_every_page(out: Path) -> None:
     for file, expected in schema.items():
         jsonschema.validate(read_json(file), expected)
     assert {path.name for path in (out / "export").glob("*.py")} == {"simulate_mujoco.py"}
+
+
+def test_what_was_found_is_in_the_model_that_leaves(out: Path) -> None:
+    found = read_json(out / "diagnosis" / "diagnosis.json")["rms"]["after"]["test"]
+    rows = read_json(out / "feasible" / "estimate.json")["validation"]
+    left = [row["feasible rms"] for row in rows if row["recordings"] == "test"]
+    np.testing.assert_allclose(left[:2], found, rtol=0.1)  # the price of bodies that can exist
+    effects = load_model(out / "export" / "model.json").torque_model.effects
+    assert any(isinstance(effect, JointSpring) for effect in effects)
 
 
 @pytest.mark.parametrize("width", [1280, 400])

@@ -97,8 +97,11 @@ def test_the_record_states_its_proofs(results: Path) -> None:
     assert record["solver"]["relative_difference"] < 1e-6
     assert all(link["per reference"] > 0 for link in record["links"])
     assert all(row["Drake"] < 1e-9 for row in record["exports"])
-    for row in record["parameters"]:
+    decided = [row for row in record["parameters"] if row["from_data"] > 0.5]
+    assert 0 < len(decided) < len(record["parameters"])
+    for row in decided:
         assert row["lower95"] <= row["value"] <= row["upper95"]
+    assert all(row["lower95"] is None for row in record["parameters"] if row not in decided)
     held = [r for r in record["validation"] if r["recordings"] == "validation"]
     assert held[-1]["price [%]"] < 2.0
 
@@ -112,6 +115,8 @@ def test_well_determined_parameters_are_the_true_ones(results: Path) -> None:
     assert rows["m_1"]["from_data"] < 1e-3
     written = yaml.safe_load((results / "parameters.yaml").read_text(encoding="utf-8"))
     assert written["parameters"]["joint_1"]["Fc_1"]["value"] == pytest.approx(rows["Fc_1"]["value"])
+    assert "interval" in written["parameters"]["joint_1"]["Fc_1"]
+    assert "interval" not in written["parameters"]["joint_1"]["m_1"]
 
 
 def test_a_bound_is_marked_and_its_intervals_are_explained(simulated: Path, tmp_path: Path) -> None:

@@ -111,7 +111,10 @@ class EstimateRecord(ResultRecord, frozen=True, kw_only=True):
 
 
 class FeasibleParameterRecord(Record, frozen=True, kw_only=True):
-    """A parameter of a body that can exist; `from_data` is the share that the data decide."""
+    """A parameter of a body that can exist.
+
+    `from_data` is the share that the data decide; where they do not decide, there is no interval.
+    """
 
     name: str
     unit: str
