@@ -24,7 +24,8 @@ class Design:
     Attributes:
         problem: What is asked.
         terms: Beside the base model.
-        seen: The context with all terms installed that act on the whole model.
+        seen: The context with all terms installed that act on the whole model, some of them by the
+            torque of its estimate.
         effects: Effect of each term, None of those that have no columns.
         places: Columns of each term.
         visible: (b,) columns of the installed model that are estimated, the first ones.
@@ -110,6 +111,8 @@ def lay(
     """
     seen = install(problem, terms, context)
     alike = before if before is not None and steps_of(before.terms) == steps_of(terms) else None
+    if alike is not None and not _acts_by(alike, context):
+        alike = None
     visible, beside_all = _base_columns(problem, seen.model, alike)
     effects, places, blocks, start = [], [], [beside_all], beside_all.shape[2]
     for term in terms:
@@ -126,6 +129,12 @@ def lay(
         start += count
     columns = np.concatenate(blocks, axis=2) if len(blocks) > 1 else blocks[0]
     return Design(problem, terms, seen, tuple(effects), tuple(places), visible, columns)
+
+
+def _acts_by(before: Design, context: Context) -> bool:
+    """Whether the installed terms act by the torque of an estimate, if they act by the model's own at all."""
+    own = any(holds_reference(effect) for effect in before.seen.model.measurement)
+    return not own or np.array_equal(before.seen.parameters, context.parameters)
 
 
 def _base_columns(

@@ -139,6 +139,12 @@ class Fitted:
             context = dataclasses.replace(context, model=self.problem.base)
         return term.candidate.excluded(context, term.values, self.size(number))
 
+    def at_torque_of(self, whole: Fitted) -> Fitted:
+        """This fit, with the torque of another as that by which effects of the model's own torque act."""
+        own, other = self.context, whole.context
+        now = dataclasses.replace(own, parameters=other.parameters, beside=other.beside)
+        return dataclasses.replace(self, context=now)
+
     def power(self, place: slice) -> Float[ndarray, " joints"]:
         """(n,) mean square of what columns give, in units of noise."""
         own = self.projection.columns[:, :, place] @ self.projection.coefficients[place]
@@ -173,7 +179,8 @@ def fit(
         fitted = _fitted(design, used, last, variance)
         context = fitted.context
         terms, moved = _stepped(fitted, settled=settled)
-        follow = any(e is not None and holds_reference(e) for e in fitted.effects)
+        acting = (*fitted.effects, *fitted.installed.measurement)
+        follow = any(effect is not None and holds_reference(effect) for effect in acting)
         if not moved and (not follow or _is_settled(fitted, last)):
             break
     if fitted is None:

@@ -15,6 +15,7 @@ from oed.diagnosis.numbers import PREDICTION_GAIN, SETTLING, TESTED
 from oed.diagnosis.selection.screen import Scored, evaluate, polish, price
 from oed.diagnosis.selection.sign_refit import with_refitted_sign
 from oed.diagnosis.selection.tables import Tables, as_term, few
+from oed.dynamics.effects.on_reference import holds_reference
 from oed.parallel_map import parallel_map
 
 Say = Callable[[str], None]
@@ -36,13 +37,13 @@ def look_ahead(
         if grown is None:
             break
         gain, best = options[0]
-        current = _refined(with_refitted_sign(grown, "fitted"), 1)
+        current = _refined(with_refitted_sign(grown, "fitted"))
         say(
             f"+ {best.candidate.label}{_values(best)} {gain:.1f} nats, left "
             f"{short(current.left('fitted'))}, held out {short(current.left('held_out'))}; beside "
             + ", ".join(f"{o[1].candidate.label} {o[0]:.1f}" for o in options[1:4])
         )
-    return _refined(current, SETTLING)
+    return _refined(current)
 
 
 def _options(
@@ -95,16 +96,20 @@ def _serves(candidate: Candidate, grown: Views, current: Views) -> bool:
     return bool(np.any(after[own] < before[own]))
 
 
-def _refined(views: Views, rounds: int) -> Views:
+def _refined(views: Views) -> Views:
     """The model with the shapes of each term, and of friction's sign, fitted again beside all else."""
-    for _ in range(rounds):
+    for _ in range(SETTLING):
         before = views
         for number, term in enumerate(views.terms):
-            # A single one is as it was profiled when it was added.
-            if not term.values or len(views.terms) == 1:
+            if not term.values:
+                continue
+            whole = views.showing(term.candidate)
+            # A single one is as it was profiled when it was added, unless it acts by the model's own torque.
+            effect = term.candidate.effect(whole.context, term.values)
+            if len(views.terms) == 1 and not holds_reference(effect):
                 continue
             others = views.terms[:number] + views.terms[number + 1 :]
-            rest = views.grown(others, "fitted").showing(term.candidate)
+            rest = views.grown(others, "fitted").showing(term.candidate).at_torque_of(whole)
             start = evaluate(term.candidate, term.values, rest)
             if start is None:
                 continue
