@@ -21,10 +21,8 @@ from oed.dynamics.effects.on_reference import holds_reference
 from oed.dynamics.torque_model import TorqueModel
 
 SETTLED = 1e-3  # of a size, below which a step of it is none
-# Of a joint's variance: weights that are off by so little cost a ten-thousandth of the information.
-SAME_VARIANCE = 0.02
-# Sum of squares of a change of all rows, in units of what is left: a twentieth of a nat.
-NO_CHANGE = 0.1
+SAME_VARIANCE = 0.02  # of a joint's: weights so little off cost a ten-thousandth of the information
+NO_CHANGE = 0.1  # sum of squares of a change, in units of what is left: a twentieth of a nat
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,9 +100,7 @@ class Fitted:
     ) -> Float[ndarray, " joints"]:
         """(n,) sums of squares of what is left of some rows, in units of noise.
 
-        Args:
-            where: Which rows.
-            is_ahead: Whether they are predicted: nuisances are part of no prediction.
+        Rows that are predicted, `is_ahead`, are so without nuisances.
         """
         left = self.projection.residual
         if is_ahead:
@@ -168,8 +164,7 @@ def fit(
         used: Rows to fit.
         before: A fit to start from.
         variance: (n,) of the rows, if it is given; otherwise what is left decides.
-        settled: Whether sizes of terms that act on the whole model are installed until they stay;
-            otherwise until rows tell no difference, which is enough to compare models.
+        settled: Whether installed sizes are moved on until they stay, or only until rows tell no more.
     """
     context = problem.context if before is None else before.context
     fitted = before
@@ -196,14 +191,13 @@ def fit_all(
 ) -> Fitted:
     """Fit a model to all repetitions that was fitted to their means.
 
-    What changes between repetitions is told by all rows, all else by their mean (`Design.alike`): terms
-    that act on the whole model stay as they are there.
+    What changes between repetitions is told by all rows, all else by their mean (`Design.alike`).
 
     Args:
         design: Its columns on all rows.
         means: The fit to means.
-        used: Rows to fit.
-        variance: (n,) of the rows, if it is given; otherwise what is left decides.
+        used: As of `fit`.
+        variance: As of `fit`.
     """
     columns, apart = design.alike(means.projection.coefficients)
     return _fitted(design, used, means, variance, columns=columns, apart=apart)
