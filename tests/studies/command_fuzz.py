@@ -24,7 +24,7 @@ from pathlib import Path
 
 import numpy as np
 
-from oed.commands.main import COMMANDS
+from oed.commands.main import COMMANDS, IN_STEPS
 from oed.commands.main import run as oed
 from oed.commands.options import parse
 from oed.design.default_limits import with_default_limits
@@ -43,7 +43,12 @@ STATUSES = {
     "check": (0, 2, 3),
     "identify": (0, 2),
     "feasible": (0, 2, 3),
+    "payload": (0, 2, 3),
+    "gains": (0, 2, 3),
     "diagnose": (0, 2),
+    "calibrate": (0, 2, 3),
+    "export": (0, 2),
+    "demo": (0,),
 }
 REFUSED = 2
 TOLERANCE = 1e-6  # a share of a limit: digits of the file, and sums in another order
@@ -135,7 +140,7 @@ def _of_refusal(told: str, out: Path, case: Case) -> list[str]:
         faults.append(f"refused in other words: {lines[-1][:300]}")
     if any(len(line) > LONGEST_MESSAGE + 500 for line in lines):
         faults.append(f"a line of {max(map(len, lines))} letters")
-    if out.exists():
+    if out.exists() and not (case.command in IN_STEPS and "steps that were done" in told):
         faults.append("refused, and something was left")
     return faults
 

@@ -1,14 +1,18 @@
-"""Small valid inputs of the commands: robots of every format, a data set."""
+"""Small valid inputs of the commands: robots of every format, data sets, a model."""
 
 from __future__ import annotations
 
+import tempfile
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 
 from oed.dynamics.motion import Motion
 from oed.dynamics.newton_euler import rigid_body_torque
-from oed.robot import imi_scara
+from oed.export.model_file import write_model
+from oed.robot import Robot, imi_scara
+from tests.export.every_effect import model_with
 from tests.robot.test_mjcf_file import ARM as MJCF
 from tests.robot.test_xacro_file import HEAD, LENGTH
 
@@ -99,9 +103,18 @@ ROBOTS = {
 RATE = 50.0  # [Hz]
 
 
+LOAD = (1.5, 0.075, -0.03, 0.0, 0.005, 0.0, 0.0, 0.008, 0.0, 0.008)  # ten inertial parameters
+HANGING = "[0.0, -9.81, 0.0]"  # the built-in arm in a vertical plane, where a load weighs
+
+
 @cache
-def recording(seed: int) -> str:
-    """Four repetitions of two seconds of the built-in arm, with friction and noise, as CSV."""
+def recording(seed: int, load: tuple[float, ...] | None = None) -> str:
+    """Four repetitions of two seconds of the built-in arm, with friction and noise, as CSV.
+
+    Args:
+        seed: Of the motion and the noise.
+        load: Inertial parameters of what the arm holds; it hangs then.
+    """
     rng = np.random.default_rng(seed)
     t = np.arange(0, 8, 1 / RATE)
     q, dq, ddq = (np.zeros((len(t), 2)) for _ in range(3))
@@ -110,8 +123,34 @@ def recording(seed: int) -> str:
         q += a * np.sin(w * t)[:, None] + b * np.cos(w * t)[:, None]
         dq += w * (a * np.cos(w * t)[:, None] - b * np.sin(w * t)[:, None])
         ddq -= w**2 * (a * np.sin(w * t)[:, None] + b * np.cos(w * t)[:, None])
-    tau = rigid_body_torque(imi_scara(), Motion(t, q, dq, ddq))
+    tau = rigid_body_torque(_arm(load), Motion(t, q, dq, ddq))
     tau += 2.0 * np.sign(dq) + 3.0 * dq + rng.normal(0, 0.1, tau.shape)
     rows = np.column_stack([t, q, tau])
     lines = [",".join(f"{x:.7g}" for x in row) for row in rows]
     return "t,q_1,q_2,tau_1,tau_2\n" + "\n".join(lines) + "\n"
+
+
+def _arm(load: tuple[float, ...] | None) -> Robot:
+    if load is None:
+        return imi_scara()
+    robot = imi_scara().with_gravity(np.array([0.0, -9.81, 0.0]))
+    parameters = robot.parameters.copy()
+    parameters[-10:] += load
+    return robot.with_parameters(parameters)
+
+
+def hanging(*, load: bool) -> dict[str, str]:
+    """Files of a data set of the arm in a vertical plane, with the load or without it."""
+    manifest = MANIFEST.split('\n[[recording]]\nfile = "validation', maxsplit=1)[0]
+    return {
+        "dataset.toml": manifest.replace("[0.0, 0.0, -9.81]", HANGING),
+        "estimation.csv": recording(2 + load, LOAD if load else (0.0,) * 10),
+    }
+
+
+@cache
+def model() -> str:
+    """A model.json of the built-in arm, with effects that a diagnosis found."""
+    found, _ = model_with("stribeck", "load_dependent_friction", "time_delay")
+    with tempfile.TemporaryDirectory() as folder:
+        return write_model(found, Path(folder) / "model.json").read_text(encoding="utf-8")

@@ -8,6 +8,7 @@ import sys
 from collections import Counter
 from pathlib import Path
 
+from oed.commands.main import COMMANDS
 from tests.paths import REPO
 from tests.studies.spoiled_inputs import make_case
 
@@ -41,12 +42,13 @@ def test_a_case_follows_from_its_number(tmp_path: Path) -> None:
 
 def test_cases_reach_every_command_and_every_kind_of_file(tmp_path: Path) -> None:
     seen: Counter[str] = Counter()
-    for number in range(150):
+    for number in range(400):
         folder = tmp_path / str(number)
         folder.mkdir()
         case = make_case(number, folder)
         seen[case.command] += 1
         seen.update(path.name for path in folder.iterdir())
-    commands = {"cross-check", "design", "identify", "feasible", "diagnose"}
+    commands = set(COMMANDS)
     files = {"robot.urdf", "arm.xml", "arm.sdf", "dh.toml", "arm.urdf.xacro", "dataset.toml"}
+    files |= {"model.json", "loaded", "bare"}
     assert commands | files <= set(seen)
