@@ -7,18 +7,17 @@ largest value. Where a limiter cuts the signal, they pile up there, one equal to
 from __future__ import annotations
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 from numpy import ndarray
 
 from oed.checkup.finding import EvidenceRow, Finding
 from oed.experiment.dataset import DataSet
 
-# A sine has sqrt(10) - 1 = 2.2 times as many samples in the nine bins next to its extreme bin as in
-# that one (arcsine law); a clipped signal has several times fewer.
+# A sine has sqrt(k + 1) - 1 times as many samples in the k bins next to its extreme bin as in that one
+# (arcsine law): with nine 2.2 times; a clipped signal has several times fewer.
 NEIGHBOURS = 9
-PILED = 2.0  # times the neighbours' samples: four times what a sine has
-BIN = 1e-3  # of the range of torque; a pile is narrower than any noise
-LEAST_ROWS = 3  # in a row at the extreme
+PILED = 3.0  # times what a sine of as many samples in the neighbours has
+BIN = 1e-3  # of the range of torque, or its resolution; a pile is narrower than any noise
 LEAST_SHARE = 0.002  # of the samples; a single touch is no limiter
 STANDS = 1e-3  # of a joint's travel between rows: standing joints hold a torque for other reasons
 
@@ -62,20 +61,21 @@ def piled_share(q: list[Float[ndarray, " _"]], tau: list[Float[ndarray, " _"]]) 
         0 where the samples near the extreme are as many as a smooth signal has.
     """
     joined = np.concatenate(tau)
-    top, width = float(joined.max()), BIN * float(np.ptp(joined))
-    if not width > 0:
+    top, extent = float(joined.max()), float(np.ptp(joined))
+    if not extent > 0:
         return 0.0
-    near = int(np.sum((joined <= top - width) & (joined > top - (NEIGHBOURS + 1) * width)))
+    width = max(BIN * extent, _resolution(joined))
+    bins = max(1, round(NEIGHBOURS * BIN * extent / width))
+    near = int(np.sum((joined <= top - width) & (joined > top - (bins + 1) * width)))
     travel = float(np.ptp(np.concatenate(q)))
     piled = 0
     for position, torque in zip(q, tau, strict=True):
-        moves = np.abs(np.gradient(position)) * len(position) > STANDS * travel
-        piled += _rows_in_stretches((torque > top - width) & moves)
-    return piled / len(joined) if piled > PILED * near else 0.0
+        steps = np.abs(np.diff(position)) * len(position) > STANDS * travel
+        moves = np.concatenate([[False], steps]) & np.concatenate([steps, [False]])
+        piled += int(np.sum((torque > top - width) & moves))
+    return piled / len(joined) if piled > PILED * max(near, 1) / (np.sqrt(bins + 1) - 1) else 0.0
 
 
-def _rows_in_stretches(inside: Bool[ndarray, " samples"]) -> int:
-    """Rows of stretches of at least `LEAST_ROWS`."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
-    lengths = edges[1::2] - edges[::2]
-    return int(lengths[lengths >= LEAST_ROWS].sum())
+def _resolution(tau: Float[ndarray, " samples"]) -> float:
+    """Usual distance of neighbouring values: of a rounded torque its digit, else next to nothing."""
+    return float(np.median(np.diff(np.unique(tau))))

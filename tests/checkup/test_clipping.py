@@ -47,3 +47,19 @@ def test_a_joint_that_stands_under_load_is_not_clipped():
     q = np.where(t < 5, np.sin(t), np.sin(5.0))
     tau = np.where(t < 5, 3 * np.cos(t), 4.0)
     assert piled_share([q], [tau]) == 0.0
+
+
+def test_noise_does_not_hide_a_limiter():
+    """It leaves the limit from row to row, and the rows at it stand alone."""
+    t = np.arange(0.0, 20.0, 0.002)
+    noise = np.random.default_rng(0).normal(0, 2.0, len(t))
+    q, tau = np.sin(2 * np.pi * 0.3 * t), 10 * np.cos(2 * np.pi * 0.3 * t) + noise
+    level = np.quantile(tau, 0.99)
+    assert piled_share([q], [tau]) == 0.0
+    assert piled_share([q], [np.minimum(tau, level)]) == pytest.approx(0.01, rel=0.1)
+
+
+def test_a_digit_wider_than_a_bin_is_no_limiter():
+    t = np.arange(0.0, 20.0, 0.002)
+    q, tau = np.sin(2 * np.pi * 0.3 * t), 10 * np.cos(2 * np.pi * 0.3 * t)
+    assert piled_share([q], [0.7 * np.round(tau / 0.7)]) == 0.0
