@@ -12,8 +12,8 @@ class Cause:
     """What is wrong with a log.
 
     Attributes:
-        kind: "sign", "position_sign", "order", "position_order", "gravity", "scale", "gear",
-            "offset" or "magnitude".
+        kind: "sign", "position_sign", "order", "position_order", "gravity", "scale", "factor",
+            "gear", "offset" or "magnitude".
         text: In words, a sentence without its full stop.
         remedy: What to do about it.
         evidence: What shows it, in words.

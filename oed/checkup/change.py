@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,6 +64,13 @@ class Change:
         one, two = (np.multiply(c.gain, c.turn) for c in (self, other))
         rest = [(c.source, c.order, c.gravity) for c in (self, other)]
         return rest[0] == rest[1] and bool((one == two).all() or (one == -two).all())
+
+    def differs_in_size(self, other: Change) -> bool:
+        """Whether both do nothing but multiply the torque of the same one joint."""
+        none = Change.none(len(self.gain))
+        rest = [dataclasses.replace(c, gain=none.gain) for c in (self, other)]
+        one, two = (np.flatnonzero(np.array(c.gain) != 1).tolist() for c in (self, other))
+        return rest == [none, none] and len(one) == 1 and one == two
 
     def motion(self, motion: Motion) -> Motion:
         """The motion that is meant."""

@@ -36,6 +36,7 @@ def cause_finding(dataset: DataSet, search: Search) -> Finding:
             "ratio": float(projection.slope[j]),
             "correlation": float(projection.correlation[j]),
             "tells": bool(projection.telling[j]),
+            "scale told by the fit": j not in search.untold,
         }
         for j, name in enumerate(dataset.robot.joint_names)
     )
@@ -51,10 +52,13 @@ def cause_finding(dataset: DataSet, search: Search) -> Finding:
         )
     else:
         text = "signs, order, units and gravity fit together: the model explains the torque of every joint"
+    blind = ", ".join(dataset.robot.joint_names[j] for j in search.untold)
+    if blind:
+        blind = f"; ten times or a tenth of the torque of {blind} would fit nearly as well: check its unit and gear"
     return Finding(
         "units and signs",
         "green",
-        f"{text}; the torque of {telling} of {counted(len(rows), 'joint')} follows the robot file's own inertials",
+        f"{text}; the torque of {telling} of {counted(len(rows), 'joint')} follows the robot file's own inertials{blind}",
         "",
         rows,
     )

@@ -26,6 +26,7 @@ from numpy import ndarray
 
 from oed.checkup.cause import Cause
 from oed.checkup.change import Change
+from oed.checkup.factor import likeliest_factors
 from oed.checkup.projection import Projection, project
 from oed.checkup.suspicion import Suspicion, signs, suspicions
 from oed.checkup.trial import Outcome, Trials
@@ -99,16 +100,20 @@ def find_repair(trials: Trials, dataset: DataSet, *, is_bad: bool) -> tuple[Caus
         is_bad: Whether positions are suspected even if nothing else repairs the fit: they cost most.
     """
     every = tuple(suspicions(dataset))
+    factors = likeliest_factors(trials, dataset, trials.as_logged.change)
     of_torque = tuple(s for s in every if not s.change.moves)
-    found = weigh(trials, trials.as_logged, of_torque)
+    found = weigh(trials, trials.as_logged, (*of_torque, *factors))
     if is_bad or found.repairs:
         several = _several_signs(trials, dataset)
-        found = weigh(trials, trials.as_logged, (*every, *several))
+        found = weigh(trials, trials.as_logged, (*every, *several, *factors))
     if not found.repairs:
         return None, False
     alike, rivals = _parted(found)
     lead = min(found.over(other) for other in rivals)
-    if lead <= VERY_STRONG or weigh(trials, found.after[0], every).repairs:
+    beside = every
+    if found.tried[0].kind == "factor":
+        beside += tuple(likeliest_factors(trials, dataset, found.after[0].change))
+    if lead <= VERY_STRONG or weigh(trials, found.after[0], beside).repairs:
         return None, True
     said = _said(trials, dataset, found, alike)
     if not said:
@@ -125,12 +130,13 @@ def _said(
     found: Weighing,
     alike: Sequence[tuple[Suspicion, Outcome]],
 ) -> list[Suspicion]:
-    """What is said of suspicions that differ from the likeliest in signs alone; nothing is none.
+    """What is said of suspicions that differ from the likeliest in signs or size alone; nothing is none.
 
+    A known unit or gear is said where no other factor explains the data better by as much evidence.
     Of a joint that hardly couples to others the sign of the torque and that of the position do the same.
     """
     near = [s for s, outcome in alike if not dataclasses.replace(found, before=outcome).repairs]
-    best = next((s for s in near if s.kind == "sign"), found.tried[0])
+    best = next((s for s in near if s.kind in ("sign", "scale")), found.tried[0])
     if best.kind != "sign" or _brakes(trials, best.change):
         return [best, *(s for s in near if s.kind == "position_sign" and s is not best)]
     kept = tuple(j for j, gain in enumerate(best.change.gain) if gain > 0)
@@ -140,10 +146,11 @@ def _said(
 
 
 def _parted(found: Weighing) -> tuple[list[tuple[Suspicion, Outcome]], list[Outcome]]:
-    """Suspicions that differ from the likeliest in signs alone, and what the others leave."""
+    """Suspicions that differ from the likeliest in signs or size alone, and what the others leave."""
     best, alike, rivals = found.tried[0].change, [], []
     for suspicion, outcome in zip(found.tried, found.after, strict=True):
-        if suspicion.change.differs_in_signs(best):
+        change = suspicion.change
+        if change.differs_in_signs(best) or change.differs_in_size(best):
             alike.append((suspicion, outcome))
         else:
             rivals.append(outcome)

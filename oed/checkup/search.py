@@ -13,8 +13,9 @@ import numpy as np
 
 from oed.checkup.by_inertials import all_reversed, all_scaled, gravity_reversed
 from oed.checkup.cause import USELESS, Cause
+from oed.checkup.factor import untold
 from oed.checkup.projection import Projection, project
-from oed.checkup.repair import Weighing, find_repair
+from oed.checkup.repair import VERY_STRONG, Weighing, find_repair
 from oed.checkup.trial import Outcome, Trials, with_rotors
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.dataset import DataSet
@@ -33,11 +34,13 @@ class Search:
         cause: The one cause; None where no test shows one.
         projection: On the file's own inertials.
         as_logged: What the model leaves of the log as it is.
+        untold: Joints whose torque could be ten times as large or as small, and the fit would not tell.
     """
 
     cause: Cause | None
     projection: Projection
     as_logged: Outcome
+    untold: tuple[int, ...] = ()
 
 
 def find_cause(
@@ -62,6 +65,9 @@ def find_cause(
         cause = all_reversed(dataset, projection)
     if cause is None:
         cause, is_repaired = find_repair(trials, dataset, is_bad=is_bad)
+    if cause is not None and cause.kind == "factor":
+        # It is relative to the other joints: by the file's inertials all may be off, and these too.
+        cause = all_scaled(dataset, projection) or cause
     # Of repairs that nothing tells apart none is named: the file's inertials, often made up, do not choose
     # among signs and scales. A gravity under which all of them agree is no accident.
     if cause is None and not is_repaired:
@@ -72,7 +78,8 @@ def find_cause(
         cause = gravity_reversed(
             dataset, projection, lambda change: project(change.model(model), recordings)
         )
-    return Search(cause, projection, as_logged)
+    unseen = untold(trials, VERY_STRONG) if cause is None else ()
+    return Search(cause, projection, as_logged, unseen)
 
 
 def _offset(trials: Trials) -> Cause | None:

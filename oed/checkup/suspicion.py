@@ -15,7 +15,7 @@ from numpy import ndarray
 from oed.checkup.change import Change
 from oed.experiment.dataset import DataSet
 
-Kind = Literal["sign", "position_sign", "order", "position_order", "gravity", "scale"]
+Kind = Literal["sign", "position_sign", "order", "position_order", "gravity", "scale", "factor"]
 
 STANDARD_GRAVITY = 9.81  # [m/s^2] where none is declared
 # Relative to it: from the equator to the poles gravity differs by 0.3 %.
