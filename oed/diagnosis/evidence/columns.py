@@ -64,8 +64,8 @@ def _filtered(effect: Effect, model: TorqueModel, prepared: Prepared) -> dict[in
     if laps is not None:  # what changes from one repetition to the next has its own mean over them
         length = len(prepared.motion)
         whole = whole.reshape(-1, length, *whole.shape[1:]).mean(axis=0)
-    acting = np.flatnonzero(np.any(whole != 0, axis=(0, 2)))
-    return {int(j): prepared.band.apply(np.ascontiguousarray(whole[:, j])) for j in acting}
+    acting = [j for j in range(whole.shape[1]) if whole[:, j].any()]
+    return {j: prepared.band.apply(np.ascontiguousarray(whole[:, j])) for j in acting}
 
 
 def _of_joint(

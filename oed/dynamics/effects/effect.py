@@ -160,6 +160,10 @@ class Effect(ABC):
         """What of these no state of the joints tells: time and temperatures."""
         return tuple(x for x in self.depends_on if x == "time" or x.startswith("temperature"))
 
+    def changes_along(self, coordinate: str) -> bool:
+        """Whether its torque may change with a coordinate of a joint, such as "q_2"."""
+        return coordinate in self.depends_on
+
     @property
     def leaving(self) -> Effect:
         """The effect as it is written to a file: without what only saves time."""

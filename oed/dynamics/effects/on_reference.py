@@ -18,6 +18,10 @@ class FollowsTorque(Effect):
 
     reference: ReferenceTorque
 
+    def changes_along(self, coordinate: str) -> bool:  # noqa: ARG002  # the torque does with any
+        """As the torque does, whatever it depends on itself."""
+        return True
+
     @property
     def keeps(self) -> tuple[str, ...]:
         """As the torque's other effects."""

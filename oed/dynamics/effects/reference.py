@@ -11,7 +11,7 @@ import dataclasses
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from jaxtyping import Float
@@ -236,17 +236,23 @@ class ReferenceTorque:
 
     def _slopes_beside(self, state: State, joint: int) -> list[tuple[Scalar, Scalar, Scalar]]:
         ways = (
-            (STEP, (1.0, 0.0, 0.0)),
-            (STEP, (0.0, state.dq[joint], 0.0)),
-            (1.0, (0.0, 0.0, 1.0)),
+            ("q", STEP, (1.0, 0.0, 0.0)),
+            ("dq", STEP, (0.0, state.dq[joint], 0.0)),
+            ("ddq", 1.0, (0.0, 0.0, 1.0)),
         )
-        found = [central_slope(self._beside_rigid, state, joint, step, way) for step, way in ways]
+        found = []
+        for name, step, way in ways:
+            changing = partial(self._beside_rigid, along=f"{name}_{joint + 1}")
+            found.append(central_slope(changing, state, joint, step, way))
         return list(zip(*found, strict=True))
 
-    def _beside_rigid(self, state: State) -> list[Scalar]:
+    def _beside_rigid(self, state: State, *, along: str | None = None) -> list[Scalar]:
+        """Torque of all other effects, or of those that one coordinate changes [N m]."""
         torque: list[Scalar] = [0.0] * self.robot.n
         sizes = np.array(self.coefficients)
         for effect, place in with_columns(self.others):
+            if along is not None and not effect.changes_along(along):
+                continue
             for joint, own in effect.torque(state, sizes[place]).items():
                 torque[joint] = add(torque[joint], own)
         return torque
@@ -286,5 +292,5 @@ class ReferenceAt(ReferenceTorque):
 
     beside: tuple[Scalar, ...] = ()
 
-    def _beside_rigid(self, state: State) -> list[Scalar]:  # noqa: ARG002  # of that instant alone
+    def _beside_rigid(self, state: State, *, along: str | None = None) -> list[Scalar]:  # noqa: ARG002  # of that instant alone
         return list(self.beside)

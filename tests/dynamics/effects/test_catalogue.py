@@ -13,6 +13,7 @@ from oed.dynamics.effects.context import Context
 from oed.dynamics.effects.effect import State
 from oed.dynamics.effects.entries.payload import FOR_GOOD
 from oed.dynamics.effects.entry import evaluate
+from oed.dynamics.motion import with_joint
 from oed.dynamics.torque_model import TorqueModel
 from tests.dynamics.effects.arms import context_of, panda, scara, smooth_motion, vertical_arm
 
@@ -39,6 +40,7 @@ NAMES = [
     "payload_change",
     "encoder_eccentricity",
 ]
+KINDS = ("q", "dq", "ddq")
 WITH_HISTORY = {
     "presliding_hysteresis",
     "backlash",
@@ -161,6 +163,22 @@ def test_builds_and_evaluates_for_every_target(name: str, contexts: dict[str, Co
             joint_of_target = target[0] if isinstance(target, tuple) else target
             if entry.scope == "joint":
                 assert {parameter.joint for parameter in effect.parameters} == {joint_of_target}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_coordinate_that_an_effect_does_not_name_does_not_change_it(
+    name: str, contexts: dict[str, Context]
+) -> None:
+    context, entry = contexts["vertical"], CATALOGUE[name]
+    motion = smooth_motion(context.model.robot, 1.0)
+    for target in entry.targets(context):
+        effect = entry.build(context, target, _defaults(name, context, target))
+        columns = evaluate(effect, motion, context.n)
+        for joint, kind in product(range(context.n), KINDS):
+            there = [getattr(motion, x)[:, joint] + 0.3 * (x == kind) for x in KINDS]
+            if not effect.changes_along(f"{kind}_{joint + 1}"):
+                moved = evaluate(effect, with_joint(motion, joint, there), context.n)
+                np.testing.assert_array_equal(moved, columns)
 
 
 @pytest.mark.parametrize("name", NAMES)

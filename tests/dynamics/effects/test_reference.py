@@ -5,10 +5,14 @@ import dataclasses
 import numpy as np
 import pytest
 
+from oed.dynamics.effects import Viscous
+from oed.dynamics.effects.actuator import GainError
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.effect import State
 from oed.dynamics.effects.entry import evaluate
+from oed.dynamics.effects.motor import MotorCoupling
 from oed.dynamics.effects.on_reference import holds_reference
+from oed.dynamics.effects.position import PositionFriction, TorqueRipple
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.motion import Motion, random_motion, with_joint
 from oed.dynamics.scalars import mean_sign
@@ -35,6 +39,33 @@ def test_slopes_are_those_of_the_torque(joint):
         expected = (moved(1e-4) - moved(-1e-4)) / 2e-4
         found = np.stack([by[k] + np.zeros(20) for by in slopes], axis=1)
         np.testing.assert_allclose(found, expected, atol=1e-6 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("joint", [0, 1])
+def test_slopes_of_all_else_are_those_of_their_torque(joint):
+    motion, robot = motion_of(20), imi_scara()
+    others = (Viscous(0), Viscous(1), TorqueRipple(0, (3.0,)), PositionFriction(1, (1.0,)))
+    others = (*others, MotorCoupling((0, 1), (1.0, -2.0)), GainError(0, ReferenceTorque(robot)))
+    sizes = tuple(0.1 * k for k in range(1, 1 + sum(len(e.parameters) for e in others)))
+    reference = ReferenceTorque(robot, others, sizes)
+    slopes = reference.slopes_beside(State.along(motion), joint)
+    own = [getattr(motion, x)[:, joint] for x in ("q", "dq", "ddq")]
+    for k, way in enumerate(((1.0, 0.0, 0.0), (0.0, own[1], 0.0), (0.0, 0.0, 1.0))):
+
+        def moved(step: float, along: tuple = way) -> np.ndarray:
+            there = [x + step * d for x, d in zip(own, along, strict=True)]
+            return reference.parts(with_joint(motion, joint, there))[:, :, 1]
+
+        expected = (moved(1e-5) - moved(-1e-5)) / 2e-5
+        found = np.stack([by[k] + np.zeros(20) for by in slopes], axis=1)
+        np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-8)
+
+
+def test_what_a_coordinate_does_not_change_leaves_no_rounding_in_the_slopes_along_it():
+    state, ripple = State.along(motion_of(20)), TorqueRipple(0, (3.0,))
+    alone = ReferenceTorque(imi_scara(), (ripple,), (0.1, 0.2)).slopes_beside(state, 0)
+    beside = ReferenceTorque(imi_scara(), (ripple, Viscous(0)), (0.1, 0.2, 1e9))
+    np.testing.assert_array_equal(beside.slopes_beside(state, 0)[0][0], alone[0][0])
 
 
 def test_signs_are_remembered_by_joint_and_width():
