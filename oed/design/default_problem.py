@@ -21,6 +21,7 @@ from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import RobotError
 from oed.robot import Robot
+from oed.robot.placeholder_inertia import placeholder_reasons
 
 SCALING_STARTS = 5  # random motions whose mean information gives each column its unit
 SCALING_SEED = 0  # of these motions: what a scaled criterion means does not depend on a seed
@@ -141,6 +142,11 @@ def _nominal(model: TorqueModel, *, enabled: bool) -> _Nominal:
     check_torque_bounded(model, nominal[None])
     stand = find_stand(model, nominal[None])
     notes = ["torque is limited for the file's own inertia, friction not counted"]
+    notes += [
+        f"that inertia is a placeholder ({reason}): torque that is proven for it is not proven for the "
+        "arm; correct the file, or design for an identified model (--model)"
+        for reason in placeholder_reasons(robot)
+    ]
     if not np.array_equal(stand.posture, roomiest_posture(robot.limits)):
         posture = ", ".join(f"{q:.3g}" for q in stand.posture)
         notes.append(

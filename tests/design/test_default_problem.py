@@ -18,6 +18,7 @@ from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot import Robot, imi_scara, load_robot
 from oed.robot.robot_file import load_plant
+from tests.paths import example_robot
 
 GRAVITY = 9.81
 MASS, ARM = 3.0, 0.4  # [kg] and [m] of the pendulum's point mass
@@ -167,6 +168,19 @@ def test_inertia_in_other_units_is_told_by_the_torque_that_it_asks_for(tmp_path:
     # The default limit of acceleration is 15 rad/s^2; random motions reach most of it.
     most = 1e6 * MASS * ARM**2 * 15.0 / (1.5 * HOLDING)
     assert 0.1 * most < refusal.value.ratio <= most * 1.001
+
+
+def test_inertia_that_no_arm_has_is_said_where_torque_is_limited_by_it() -> None:
+    robot = with_default_limits(load_robot(example_robot("ur_description/urdf/ur5_robot.urdf")))[0]
+    bodies = robot.parameters.reshape(-1, 10).copy()
+    bodies[:, 4:] *= 100.0
+    sound, wide = (
+        [n for n in posed(r).notes if "placeholder" in n]
+        for r in (robot, robot.with_parameters(bodies.ravel()))
+    )
+    assert sound == []
+    assert len(wide) == 1
+    assert "would be spread over" in wide[0]
 
 
 @pytest.mark.parametrize(
