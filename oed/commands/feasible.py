@@ -39,7 +39,6 @@ from oed.one_thread import on_one_thread
 from oed.report.feasible_report import write_feasible
 from oed.report.feasible_rows import (
     change_rows,
-    interval_of_measured,
     link_rows,
     solver_comparison,
     validation_rows,
@@ -141,7 +140,7 @@ def export(result: FeasibleCalibration, out: Path, home: Path) -> list[Row]:
         ParameterTable(
             estimate.model.parameters,
             estimate.parameters,
-            interval_of_measured(result),
+            result.bootstrap.interval(),
             estimate.from_data,
             estimate.at_bound,
         ),

@@ -8,6 +8,7 @@ import numpy as np
 
 from oed.checkup.checkup import doubts_of_data
 from oed.checkup.finding import Checkup
+from oed.estimation.feasible.bootstrap import MOSTLY_DATA
 from oed.estimation.feasible.calibration import FeasibleCalibration
 from oed.estimation.feasible.change_from_file import LinkChange
 from oed.estimation.feasible.cross_validation import TOLERANCE
@@ -21,7 +22,6 @@ from oed.report.feasible_charts import (
     weight_chart,
 )
 from oed.report.feasible_rows import (
-    MOSTLY_DATA,
     change_rows,
     link_rows,
     parameter_rows,

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from jaxtyping import Float
-from numpy import ndarray
 
 from oed.estimation.feasible.calibration import FeasibleCalibration
 from oed.estimation.feasible.change_from_file import LinkChange
 from oed.report.table import Row
-
-MOSTLY_DATA = 0.5  # share from data above which a parameter counts as measured
 
 
 def parameter_rows(result: FeasibleCalibration) -> list[Row]:
@@ -18,7 +14,7 @@ def parameter_rows(result: FeasibleCalibration) -> list[Row]:
 
     What the data do not decide has no interval: its value is the reference's, and so is its spread.
     """
-    estimate, interval = result.estimate, interval_of_measured(result)
+    estimate, interval = result.estimate, result.bootstrap.interval()
     at_bound = estimate.at_bound
     return [
         {
@@ -33,12 +29,6 @@ def parameter_rows(result: FeasibleCalibration) -> list[Row]:
         }
         for k, name in enumerate(estimate.names)
     ]
-
-
-def interval_of_measured(result: FeasibleCalibration) -> Float[ndarray, "p 2"]:
-    """95 % intervals of the parameters that the data decide; nan for all others."""
-    measured = result.estimate.from_data > MOSTLY_DATA
-    return np.where(measured[:, None], result.bootstrap.interval(), np.nan)
 
 
 def solver_comparison(result: FeasibleCalibration) -> str:

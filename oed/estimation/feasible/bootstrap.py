@@ -12,9 +12,12 @@ from scipy.stats import t as student
 
 from oed.estimation.feasible.data_factor import DataFactor
 from oed.estimation.feasible.estimate import FeasibleEstimate
+from oed.estimation.feasible.feasible_set import least_values
 from oed.estimation.feasible.interior import SolverFailed
 from oed.estimation.feasible.solve import SolverName, solve_problem
 from oed.progress import told
+
+MOSTLY_DATA = 0.5  # share from data above which a parameter counts as measured
 
 
 @dataclass(frozen=True)
@@ -24,22 +27,32 @@ class Bootstrap:
     Attributes:
         estimate: (p,) parameters from all data.
         samples: (r, p) parameters of each resample, all of them feasible.
+        from_data: (p,) share of each value that the data decide.
+        least: (p,) what each parameter is at least, physically.
         failures: Resamples that no solver solved; they are in no interval.
         method: In words.
     """
 
     estimate: Float[ndarray, " p"]
     samples: Float[ndarray, "r p"]
+    from_data: Float[ndarray, " p"]
+    least: Float[ndarray, " p"]
     failures: int
     method: str
 
     def interval(self, level: float = 0.95) -> Float[ndarray, "p 2"]:
-        """Intervals [lower, upper] at a confidence level, as `interval_about`.
+        """Intervals [lower, upper] at a confidence level; nan where the data decide less than half.
+
+        As `interval_about`, and wider by 1 / `from_data`: the pull lets a value follow other data by
+        that share alone, and holds it where the reference may be wrong.
 
         Raises:
             ValueError: If the level is not between 0 and 1.
         """
-        return interval_about(self.estimate, self.samples, level)
+        share = np.where(self.from_data > MOSTLY_DATA, self.from_data, np.nan)[:, None]
+        about, estimate = interval_about(self.estimate, self.samples, level), self.estimate[:, None]
+        wider = estimate + (about - estimate) / share
+        return np.maximum(wider, np.minimum(self.least, self.estimate)[:, None])
 
     @property
     def std(self) -> Float[ndarray, " p"]:
@@ -92,7 +105,7 @@ def bootstrap(
 
     A block bootstrap (Kuensch 1989): errors may be correlated within a block, and the intervals
     respect the demands, which a covariance does not. Where a demand is active the
-    interval is one-sided; where the pull decides a value, it shows no uncertainty of that value.
+    interval is one-sided.
 
     Args:
         estimate: From all blocks.
@@ -122,6 +135,9 @@ def bootstrap(
     return Bootstrap(
         estimate=estimate.parameters,
         samples=np.array(found),
+        from_data=estimate.from_data,
+        least=least_values(estimate.model),
         failures=failures,
-        method=f"{rule} of {len(found)} block-bootstrap estimates over {len(blocks)} blocks",
+        method=f"{rule} of {len(found)} block-bootstrap estimates over {len(blocks)} blocks, wider by the "
+        "share that the data decide",
     )

@@ -13,7 +13,7 @@ from numpy import ndarray
 from oed.dynamics.effects import with_columns
 from oed.dynamics.effects.parameter import Demand
 from oed.dynamics.torque_model import TorqueModel
-from oed.robot.inertia import pseudo_inertia
+from oed.robot.inertia import PARAMETER_SYMBOLS, pseudo_inertia
 
 # Every link keeps at least this share of its reference body, in every direction: enough to
 # stay clear of rounding, too little to be felt in a torque.
@@ -157,6 +157,22 @@ def inequality_rows(demands: FeasibleSet, model: TorqueModel) -> Rows:
         texts.append(demand.words)
     stacked = np.array(matrix).reshape(-1, len(names))
     return Rows(stacked, np.array(bounds), tuple(texts))
+
+
+def least_values(model: TorqueModel) -> Float[ndarray, " p"]:
+    """(p,) what each parameter is at least, whatever the others are; -inf where it may be anything.
+
+    Masses and moments of inertia of a consistent link are positive, and an effect has its own demands.
+    """
+    least = np.full(len(model.parameters), -np.inf)
+    for k, symbol in enumerate(PARAMETER_SYMBOLS):
+        if symbol in ("m", "Ixx", "Iyy", "Izz"):
+            least[k : 10 * model.robot.n : 10] = 0.0
+    for column, demand in FeasibleSet.of(model).effects:
+        own = np.flatnonzero(demand.weights)
+        if len(own) == 1 and demand.weights[own[0]] > 0:
+            least[column + own[0]] = demand.bound / demand.weights[own[0]]
+    return least
 
 
 def equality_rows(demands: FeasibleSet, model: TorqueModel) -> Rows:
