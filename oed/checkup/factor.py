@@ -61,11 +61,25 @@ def untold(trials: Trials, bar: float) -> tuple[int, ...]:
     """
     n = trials.model.robot.n
     likelihood = _Likelihood(trials, Change.none(n))
-    worse = [
-        min(likelihood.cost(j, factor) for factor in (OTHER, 1 / OTHER)) - likelihood.cost(j, 1.0)
-        for j in range(n)
-    ]
-    return tuple(int(j) for j in np.flatnonzero(np.array(worse) < bar))
+    return tuple(j for j in range(n) if not likelihood.tells(j, bar))
+
+
+def is_size_told(trials: Trials, change: Change, bar: float) -> bool:
+    """Whether the fit tells the sizes of the torques that a change multiplies, each from `OTHER` times it.
+
+    A torque that does not go with those of the others, such as that of a spindle that carries them by
+    friction, is fitted best where it outweighs no other: by any factor that is large or small enough.
+
+    Args:
+        trials: Of the log.
+        change: That repairs the fit.
+        bar: Twice the logarithm of a likelihood ratio that tells.
+    """
+    multiplied = np.flatnonzero(np.abs(change.gain) != 1)
+    if not len(multiplied):
+        return True
+    likelihood = _Likelihood(trials, change)
+    return all(likelihood.tells(int(j), bar) for j in multiplied)
 
 
 class _Likelihood:
@@ -80,6 +94,11 @@ class _Likelihood:
         """Minus twice its logarithm, without what is constant."""
         change = self.change.then(_scaled(len(self.change.gain), joint, factor))
         return 2 * float(self.counts @ np.log(self.equations.fit(change, self.counts).residual))
+
+    def tells(self, joint: int, bar: float) -> bool:
+        """Whether a joint's torque is likelier by the bar than `OTHER` times it, or as small a part."""
+        beside = min(self.cost(joint, factor) for factor in (OTHER, 1 / OTHER))
+        return beside - self.cost(joint, 1.0) > bar
 
 
 def _suspicion(dataset: DataSet, joint: int, factor: float) -> Suspicion:

@@ -11,7 +11,8 @@ how long the residual of the better fit is correlated. A change repairs a fit if
 
 The likeliest suspicion is the cause if it repairs the fit, if the same evidence tells it from every
 other one, and if none repairs what it leaves: then there are two faults, and which is not guessed. The
-sign of a joint's torque and that of its position may do the same: then both are said.
+sign of a joint's torque and that of its position may do the same: then both are said. A torque in
+another unit is no cause where ten times or a tenth of it would fit as well.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from numpy import ndarray
 
 from oed.checkup.cause import Cause
 from oed.checkup.change import Change
-from oed.checkup.factor import likeliest_factors
+from oed.checkup.factor import is_size_told, likeliest_factors
 from oed.checkup.projection import Projection, project
 from oed.checkup.suspicion import Suspicion, signs, suspicions
 from oed.checkup.trial import Outcome, Trials
@@ -108,6 +109,8 @@ def find_repair(trials: Trials, dataset: DataSet, *, is_bad: bool) -> tuple[Caus
         found = weigh(trials, trials.as_logged, (*every, *several, *factors))
     if not found.repairs:
         return None, False
+    if not is_size_told(trials, found.after[0].change, VERY_STRONG):
+        return None, True
     alike, rivals = _parted(found)
     lead = min(found.over(other) for other in rivals)
     beside = every

@@ -47,3 +47,17 @@ def test_the_scale_of_a_joint_that_the_others_do_not_feel_is_not_told(sound):
     assert search(sound).untold == ()
     assert "ten times or a tenth of the torque of " in cause_finding(alone, found).text
     assert "ten times" not in cause_finding(sound, search(sound)).text
+
+
+def test_a_drive_that_does_not_feel_the_links_is_not_taken_for_one_in_another_unit(sound):
+    """A spindle that holds itself: its torque fits beside the others once it outweighs none of them."""
+    rng = np.random.default_rng(5)
+    held = []
+    for recording in sound.recordings:
+        speed = np.gradient(recording.q[:, 1], recording.t)
+        tau = recording.tau.copy()
+        tau[:, 1] = 90.0 + 12.0 * speed + 0.3 * rng.standard_normal(len(speed))
+        held.append(dataclasses.replace(recording, tau=tau))
+    found = search(dataclasses.replace(sound, recordings=tuple(held)))
+    assert found.cause is None
+    assert 1 in found.untold
