@@ -37,6 +37,12 @@ class Change:
         same, ones = tuple(range(joints)), (1.0,) * joints
         return cls(same, ones, same, ones)
 
+    @classmethod
+    def of_torque(cls, joints: int, joint: int, factor: float) -> Change:
+        """The torque of one joint multiplied."""
+        gain = tuple(factor if j == joint else 1.0 for j in range(joints))
+        return dataclasses.replace(cls.none(joints), gain=gain)
+
     @property
     def of_columns(
         self,

@@ -56,7 +56,7 @@ class Weighing:
 
     def over(self, other: Outcome) -> float:
         """2 log likelihood ratio of the likeliest to another fit."""
-        return 2 * float(self.counts @ np.log(other.residual / self.after[0].residual))
+        return other.deviance(self.counts) - self.after[0].deviance(self.counts)
 
     @property
     def mended(self) -> Bool[ndarray, " joints"]:
@@ -82,12 +82,11 @@ def weigh(trials: Trials, before: Outcome, suspected: Sequence[Suspicion]) -> We
     changes = [before.change.then(s.change) for s in suspected]
     equations = trials.equations([before.change, *changes])
     laid_out = list(zip(equations, [before.change, *changes], strict=True))
-    likeliest = min((e.fit(c) for e, c in laid_out[1:]), key=_log_residual)
+    alike = np.ones(len(before.residual))
+    likeliest = min((e.fit(c) for e, c in laid_out[1:]), key=lambda o: o.deviance(alike))
     counts = trials.independent(likeliest)
     logged, *after = (e.fit(c, counts) for e, c in laid_out)
-    ranked = sorted(
-        zip(suspected, after, strict=True), key=lambda t: float(counts @ np.log(t[1].residual))
-    )
+    ranked = sorted(zip(suspected, after, strict=True), key=lambda t: t[1].deviance(counts))
     tried, outcomes = tuple(s for s, _ in ranked), tuple(o for _, o in ranked)
     return Weighing(logged, tried, outcomes, counts)
 
@@ -170,10 +169,6 @@ def _evidence(dataset: DataSet, found: Weighing, lead: float) -> str:
         f"put right, it alone repairs the fit: residual over torque of {shown}; 2 log likelihood ratio "
         f"{found.over(found.before):.3g}, {lead:.3g} to the next such cause"
     )
-
-
-def _log_residual(outcome: Outcome) -> float:
-    return float(np.sum(np.log(outcome.residual)))
 
 
 def _several_signs(trials: Trials, dataset: DataSet) -> list[Suspicion]:

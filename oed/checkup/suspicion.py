@@ -121,9 +121,8 @@ def _scales(dataset: DataSet) -> Iterator[Suspicion]:
 
 
 def _scale(n: int, joint: int, factor: float, text: str) -> Suspicion:
-    gain = tuple(factor if j == joint else 1.0 for j in range(n))
     remedy = f"multiply tau_{joint + 1} by {factor:g}"
-    return Suspicion("scale", text, remedy, dataclasses.replace(Change.none(n), gain=gain))
+    return Suspicion("scale", text, remedy, Change.of_torque(n, joint, factor))
 
 
 def _minus(n: int, joints: tuple[int, ...]) -> tuple[float, ...]:

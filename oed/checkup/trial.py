@@ -52,6 +52,14 @@ class Outcome:
     residual: Float[ndarray, " joints"]
     parameters: Float[ndarray, " width"]
 
+    def deviance(self, counts: Float[ndarray, " joints"]) -> float:
+        """Minus twice the log likelihood, but for a constant that all fits to the same log share.
+
+        Args:
+            counts: (n,) independent samples of each torque as logged.
+        """
+        return 2 * float(counts @ np.log(self.residual))
+
 
 @dataclass(frozen=True)
 class NormalEquations:

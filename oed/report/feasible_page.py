@@ -203,8 +203,8 @@ def _parameters_section(result: FeasibleCalibration) -> Section:
         "Parameters",
         (
             Text(
-                f"Intervals: {result.bootstrap.method}. `from_data` is the share of a value that the "
-                f"data decide; for {undecided} of {len(estimate.names)} it is below one half, and "
+                f"Intervals: {result.bootstrap.method}, wider by 1 / `from_data`, the share of a value that the "
+                f"data decide. For {undecided} of {len(estimate.names)} it is below one half, and "
                 f"these are close to {reference}: they have no interval, since none would say anything of the truth."
             ),
             *([Text(AT_BOUND)] if estimate.active else []),

@@ -138,6 +138,5 @@ def bootstrap(
         from_data=estimate.from_data,
         least=least_values(estimate.model),
         failures=failures,
-        method=f"{rule} of {len(found)} block-bootstrap estimates over {len(blocks)} blocks, wider by the "
-        "share that the data decide",
+        method=f"{rule} of {len(found)} block-bootstrap estimates over {len(blocks)} blocks",
     )
